@@ -64,9 +64,9 @@ __all__ = sorted([*_PUBLIC, "__version__"])
 def __getattr__(name: str) -> object:
     if name not in _PUBLIC:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    found = getattr(_import_module(f"{__name__}.{_PUBLIC[name]}"), name)
-    globals()[name] = found
-    return found
+    value = getattr(_import_module(f"{__name__}.{_PUBLIC[name]}"), name)
+    globals()[name] = value
+    return value
 
 
 def __dir__() -> list[str]:

@@ -112,11 +112,11 @@ def _build_beam(spec: dict[str, object]) -> ModalPackage:
         own = (t.factor for t in parameter.targets if t.path == "damping_ratio")
         # all else that may move is in the sections
         changed = replace(beam, damping_ratio=beam.damping_ratio + distance * sum(own))
-        found = sections.at(parameter, distance)
-        moved = beam_model(changed, *(one.line for one in found))
+        at_stations = sections.at(parameter, distance)
+        moved = beam_model(changed, *(one.line for one in at_stations))
         if not spec.get("design_strains", True):
-            found = [one._replace(recovery=None) for one in found]
-        return moved, sections.data(found)
+            at_stations = [one._replace(recovery=None) for one in at_stations]
+        return moved, sections.data(at_stations)
 
     design = derivatives(
         [p.linear() if sections.is_analysed(p) else p for p in parameters],

@@ -99,7 +99,7 @@ def derivatives(
     """
     models = [[at(p, place * p.step) for place in p.places] for p in parameters]
     changes = [change(p, row) for p, row in zip(parameters, models, strict=True)]
-    found = []
+    result = []
     rates = mode_rates(condition, modes, changes)
     for p, row, rate in zip(parameters, models, rates, strict=True):
         # modes of close frequencies turn fast: the five points must be near enough for them
@@ -116,8 +116,8 @@ def derivatives(
         values = differenced(packages, step)
         values |= _modal(modes, rate, damping_ratio, values)
         changing = {path: value for path, value in values.items() if value.any()}
-        found.append(Derivative(p.name, p.kind, tuple(t.table for t in p.targets), changing))
-    return tuple(found)
+        result.append(Derivative(p.name, p.kind, tuple(t.table for t in p.targets), changing))
+    return tuple(result)
 
 
 def change_of_inputs(
@@ -145,14 +145,14 @@ def _moved(modes: Modes, rate: ModeRates, distance: float) -> Modes:
 
 
 def _modal(
-    modes: Modes, rate: ModeRates, ratio: float, found: dict[str, Array]
+    modes: Modes, rate: ModeRates, ratio: float, values: dict[str, Array]
 ) -> dict[str, Array]:
     """Derivatives of modal matrices; `found` has the part of the damping by its ratio."""
     w = np.sqrt(modes.values)
     damping = 2.0 * ratio * rate.stiffness / np.add.outer(w, w)
     return {
         "modes/stiffness": rate.stiffness,
-        "modes/damping": damping + found.get("modes/damping", 0.0),
+        "modes/damping": damping + values.get("modes/damping", 0.0),
         "modes/frequencies": np.diag(rate.stiffness) / (2.0 * w),
         **({} if modes.compliance is None else {"modes/compliance": rate.compliance}),
     }

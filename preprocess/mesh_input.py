@@ -62,7 +62,7 @@ def coincident(points: Array, distance: float) -> IntArray:
     direction = DIRECTION[: points.shape[1]]
     along = points @ (direction / np.linalg.norm(direction))
     order = np.argsort(along)
-    along, found = along[order], [np.zeros((0, 2), dtype=np.int64)]
+    along, near = along[order], [np.zeros((0, 2), dtype=np.int64)]
     slack = distance + 1e-15 * float(np.abs(along).max(initial=0.0))
     for step in range(1, len(points)):
         first = np.flatnonzero(along[step:] - along[:-step] <= slack)
@@ -70,6 +70,6 @@ def coincident(points: Array, distance: float) -> IntArray:
             break
         pairs = np.sort(order[np.stack([first, first + step], axis=1)], axis=1)
         apart = np.linalg.norm(points[pairs[:, 0]] - points[pairs[:, 1]], axis=1)
-        found.append(pairs[apart <= distance])
-    every = np.concatenate(found)
+        near.append(pairs[apart <= distance])
+    every = np.concatenate(near)
     return every[np.lexsort(every.T[::-1])]

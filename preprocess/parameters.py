@@ -69,17 +69,17 @@ class Parameter:
 
     def moved(self, distance: float, below: Sequence[Key] = ()) -> Any:
         """The specification with the parameter moved, or the part of it below some keys."""
-        found: Any = copy.copy(self.spec)
+        spec: Any = copy.copy(self.spec)
         for target in self.targets:
             *way, last = target.keys
-            place = found
+            place = spec
             for key in way:
                 place[key] = copy.copy(place[key])
                 place = place[key]
             place[last] += target.factor * distance
         for key in below:
-            found = found[key]
-        return found
+            spec = spec[key]
+        return spec
 
     def below(self, keys: Sequence[Key]) -> list[dict[str, Any]]:
         """The targets below some keys, as tables."""
@@ -118,7 +118,7 @@ def read_parameters(
 
     Raises `error` for a target that does not exist, is no number, or cannot be a parameter.
     """
-    found = []
+    parameters = []
     for name, tables in design.items():
         if not name or "/" in name or name == ".":
             raise error(expected(f"{where}design", name, "a name without '/'"))
@@ -154,5 +154,5 @@ def read_parameters(
                 raise error(f"{at}[{row}].of = {target.path!r}: {text}")
             steps.append(step(spec, target.keys, f"{at}[{row}].of") / abs(factor))
             targets.append(target)
-        found.append(Parameter(name, tuple(targets), spec, min(steps), at, error))
-    return tuple(found)
+        parameters.append(Parameter(name, tuple(targets), spec, min(steps), at, error))
+    return tuple(parameters)

@@ -54,9 +54,9 @@ def full_output(error: OSError) -> int | None:
         return None
     try:
         print(flush=True)  # what was refused before is forgotten
-    except OSError as found:
+    except OSError as cause:
         _drop_output()
-        print(f"error: standard output: {found.strerror}", file=sys.stderr)
+        print(f"error: standard output: {cause.strerror}", file=sys.stderr)
         return INPUT
     return None
 

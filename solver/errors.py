@@ -24,19 +24,19 @@ class PackageError(Exception):
     """A file of this project cannot be used; the message names file and dataset."""
 
 
-def refuse(found: Iterable[str]) -> None:
+def refuse(errors: Iterable[str]) -> None:
     """Raise InputError with one line for each finding, each once; return if there is none."""
-    if lines := dict.fromkeys(found):
+    if lines := dict.fromkeys(errors):
         raise InputError("\n".join(lines))
 
 
 @contextlib.contextmanager
-def collected(found: list[str]) -> Iterator[None]:
+def collected(errors: list[str]) -> Iterator[None]:
     """Add the lines of an InputError that is raised inside to `found`."""
     try:
         yield
     except InputError as error:
-        found += str(error).splitlines()
+        errors += str(error).splitlines()
 
 
 def under(key: str, error: InputError) -> InputError:
@@ -58,7 +58,7 @@ def printable(text: str) -> str:
 MOST_NAMED = 5
 
 
-def few(words: Iterable[str], separator: str = ", ", most: int = MOST_NAMED) -> str:
+def few(texts: Iterable[str], separator: str = ", ", most: int = MOST_NAMED) -> str:
     """Return the first of some words, and how many more there are: "a, b, c, d, e and 12 more".
 
     Parameters
@@ -67,7 +67,7 @@ def few(words: Iterable[str], separator: str = ", ", most: int = MOST_NAMED) -> 
     separator : text between them
     most : number of words that are named
     """
-    every = list(words)
+    every = list(texts)
     more = f" and {len(every) - most} more" if len(every) > most else ""
     return separator.join(every[:most]) + more
 

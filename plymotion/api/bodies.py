@@ -56,9 +56,9 @@ class _Analysed:
         return list(self.numbers["warnings"])
 
     def __repr__(self) -> str:
-        words = [f"{hertz:.4g} Hz" for hertz in self.frequencies[:1]]
-        words += [f"load case {name}" for name in self.cases]
-        return f"<{type(self).__name__} {self.name}: {', '.join(words) or 'no load cases'}>"
+        parts = [f"{hertz:.4g} Hz" for hertz in self.frequencies[:1]]
+        parts += [f"load case {name}" for name in self.cases]
+        return f"<{type(self).__name__} {self.name}: {', '.join(parts) or 'no load cases'}>"
 
     def _repr_html_(self) -> str:
         shown = [(k, v) for k, v in self.numbers.items() if not isinstance(v, dict | list)]
@@ -111,8 +111,8 @@ class Shell(_Analysed):
         >>> pm.Shell("plate.vtkhdf").load_factors["bending"]
         array([2.5, 7. ])
         """
-        found = self.numbers.get("load_factors", {})
-        return {name: np.array(case["factors"]) for name, case in found.items()}
+        cases = self.numbers.get("load_factors", {})
+        return {name: np.array(case["factors"]) for name, case in cases.items()}
 
 
 class Solid(_Analysed):

@@ -69,23 +69,23 @@ def _tag(model: type[BaseModel]) -> str:
 def keys_of(kind: Kind) -> dict[str, FieldInfo]:
     """Return the keys of a kind by argument, without those by position."""
     own = PAIRS.get(kind.group) if kind.first == ("one", "two") else None
-    found = {}
+    fields = {}
     for name, field in kind.model.model_fields.items():
         key = name if iskeyword(field.alias or name) else field.alias or name
         if key not in ("kind", own, *kind.first):
-            found[key] = field
-    return found
+            fields[key] = field
+    return fields
 
 
 def signature_of(kind: Kind) -> inspect.Signature:
     """Return the signature of the function of a kind."""
     by_place, by_name = inspect.Parameter.POSITIONAL_OR_KEYWORD, inspect.Parameter.KEYWORD_ONLY
     fields = sorted(keys_of(kind).items(), key=lambda item: not item[1].is_required())
-    found = [inspect.Parameter(name, by_place) for name in ("self", "name", *kind.first)]
+    parameters = [inspect.Parameter(name, by_place) for name in ("self", "name", *kind.first)]
     for key, field in fields:
         default = inspect.Parameter.empty if field.is_required() else None
-        found.append(inspect.Parameter(key, by_name, default=default))
-    return inspect.Signature(found)
+        parameters.append(inspect.Parameter(key, by_name, default=default))
+    return inspect.Signature(parameters)
 
 
 def text_of(kind: Kind) -> str:
@@ -149,8 +149,8 @@ def _function(kind: Kind) -> Callable[..., Keys]:
             try:
                 kind.model.model_validate(plain(table), context={FOLDER: self.folder})
             except ValidationError as error:
-                found = bare_lines(error, kind.model, f"{kind.group}.{name}")
-                raise InputError("\n".join(found)) from None
+                errors = bare_lines(error, kind.model, f"{kind.group}.{name}")
+                raise InputError("\n".join(errors)) from None
         self.table.setdefault(kind.group, {})[name] = table
         groups = Keys(kind_of(kind.group), kind.group, kind.group, self.table, self.folder)
         return groups[name]

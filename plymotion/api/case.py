@@ -176,11 +176,11 @@ class Case(Builders):
 
     @classmethod
     def _from_file(cls, file: Path) -> "Case":
-        found = cls.__new__(cls)
-        found.table = read_toml(file, "case file")
-        found.name = case_name(file)
-        found.folder, found._file = file.parent, file
-        return found
+        case = cls.__new__(cls)
+        case.table = read_toml(file, "case file")
+        case.name = case_name(file)
+        case.folder, case._file = file.parent, file
+        return case
 
     def check(self, *, coarse: bool = False, sweeps: Collection[str] | None = None) -> CheckedCase:
         """Check the whole case as `plymotion check` does; return its checked form.
@@ -218,9 +218,9 @@ greater than or equal to 0
         >>> longer.solver["t_end"], longer.table["gravity"]
         (2.0, [0.0, 0.0, -1.62])
         """
-        found = deepcopy(self)
+        case = deepcopy(self)
         for key, value in changes.items():
-            here: Any = found.table
+            here: Any = case.table
             *way, last = split_key(key)
             try:
                 for part in way:
@@ -228,12 +228,12 @@ greater than or equal to 0
                 here[int(last) if isinstance(here, list) else last] = value
             except (AttributeError, IndexError, TypeError, ValueError):
                 raise InputError(f"{key}: the case has no such key") from None
-        return found
+        return case
 
     def __repr__(self) -> str:
         counts = {group: len(self.table.get(group, {})) for group in COUNTED}
-        words = [counted(n, _singular(group), group) for group, n in counts.items() if n]
-        return f"<Case {self.name}: {', '.join(words)}>"
+        parts = [counted(n, _singular(group), group) for group, n in counts.items() if n]
+        return f"<Case {self.name}: {', '.join(parts)}>"
 
     def _repr_html_(self) -> str:
         rows = [

@@ -55,8 +55,8 @@ def openmdao_component(
     first = known.values(own.start)
     if first.why:
         raise InputError(f"{given.file}: the design of the start is invalid: {first.why}")
-    words = [q.words().replace(" ", "_") for q in own.table.quantities()]
-    outputs = [w if words.count(w) == 1 else f"{w}_{k}" for k, w in enumerate(words)]
+    names = [q.words().replace(" ", "_") for q in own.table.quantities()]
+    outputs = [w if names.count(w) == 1 else f"{w}_{k}" for k, w in enumerate(names)]
 
     class Designs(om.ExplicitComponent):  # type: ignore[misc]
         """The study."""
@@ -68,12 +68,12 @@ def openmdao_component(
                 self.add_output(name, np.array(values))
             self.declare_partials("*", "*")
 
-        def compute(self, inputs: Any, found: Any, *_: Any) -> None:
+        def compute(self, inputs: Any, components: Any, *_: Any) -> None:
             values = known.values(self._point(inputs))
             if values.why:
                 raise om.AnalysisError(values.why)
             for name, each in zip(outputs, values.values, strict=True):
-                found[name] = each
+                components[name] = each
 
         def compute_partials(self, inputs: Any, partials: Any, *_: Any) -> None:
             for name, rates in zip(outputs, known.slopes(self._point(inputs)), strict=True):

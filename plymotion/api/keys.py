@@ -77,8 +77,8 @@ class Keys(MutableMapping[str, Any]):
 
     @property
     def _table(self) -> Tables:
-        found = self._above.get(self._name)
-        return found if isinstance(found, dict) else {}
+        value = self._above.get(self._name)
+        return value if isinstance(value, dict) else {}
 
     def _stored(self) -> Tables:
         """Return the table to write into, added to that above if it is absent."""
@@ -242,10 +242,10 @@ def check(
             TypeAdapter(kind).validate_python({key: given[key]}, context=context)
     except ValidationError as error:
         own = re.compile(rf"{re.escape(key)}(?=[ .:])(?!.*: missing; )")
-        found = [line for line in bare_lines(error, model or kind) if own.match(line)]
-        if found:
+        lines = [line for line in bare_lines(error, model or kind) if own.match(line)]
+        if lines:
             prefix = f"{where}." if where else ""
-            raise InputError("\n".join(f"{prefix}{line}" for line in found)) from None
+            raise InputError("\n".join(f"{prefix}{line}" for line in lines)) from None
 
 
 def _is_model(kind: Any) -> bool:

@@ -115,8 +115,8 @@ class Modes:
         if not 0.0 < low < high < np.inf:
             raise InputError(f"response({low}, {high}): expected 0 < low < high in Hz")
         chosen = [None if names is None else list(names) for names in (inputs, outputs)]
-        found = response_of(self._found, (low, high), *chosen)
-        return found.hz, found.G
+        result = response_of(self._found, (low, high), *chosen)
+        return result.hz, result.G
 
     def write(self, folder: str | Path, *, shapes: int = 6) -> list[Path]:
         """Write the files of `plymotion modes`; return them. `shapes` are drawn and animated.
@@ -309,7 +309,7 @@ def _states(
 def _axis(axis: Sequence[float] | None) -> Array | None:
     if axis is None:
         return None
-    found = np.asarray(axis, dtype=float)
-    if found.shape != (3,) or not found.any():
+    vector = np.asarray(axis, dtype=float)
+    if vector.shape != (3,) or not vector.any():
         raise InputError(f"axis = {axis}: expected three numbers, not all zero")
-    return found
+    return vector

@@ -64,9 +64,9 @@ class Optimum:
         >>> start, round(best, 6)
         (2.0, 1.5)
         """
-        words = [measure["words"] for measure in self.data["measures"]]
+        names = [measure["words"] for measure in self.data["measures"]]
         pairs = zip(self.data["start"]["shown"], self.data["optimum"]["shown"], strict=True)
-        return dict(zip(words, pairs, strict=True))
+        return dict(zip(names, pairs, strict=True))
 
     @property
     def history(self) -> list[Array]:
@@ -91,8 +91,8 @@ class Optimum:
         >>> pm.optimise("pendulum.toml").front
         []
         """
-        found: list[dict[str, Any]] = self.data["front"]
-        return found
+        points: list[dict[str, Any]] = self.data["front"]
+        return points
 
     def changed(self, case: Case) -> Case:
         """Return a case with the best design.

@@ -128,20 +128,20 @@ class Plan:
         changes = dict(changes or {})
         file = self._written(self._case.changed(changes), self._folder / DESIGN, check=True)
         answer = checked_member(*read_planned(file), self._plan)
-        found = {
+        entry = {
             "changes": changes,
             "met": answer.verdict == "met",
             "estimate": answer.estimates,
             "reason": answer.reason,
         }
-        self.checks.append(found)
-        if not found["met"]:
+        self.checks.append(entry)
+        if not entry["met"]:
             warnings.warn(
                 f"[{PLAN_TOO_COARSE.name}] the plan does not reach the accuracy with {changes}: "
                 f"{answer.reason}; make a plan there, or ask for less (a larger `accuracy`)",
                 stacklevel=2,
             )
-        return found
+        return entry
 
     def __repr__(self) -> str:
         worst = f"{max(self.estimate.values()):.1e}" if self.estimate else "none"
@@ -196,8 +196,8 @@ signals
     case = as_case(case)
     if not 0.0 <= checked <= 1.0:
         raise InputError(f"plan(): checked = {checked}: expected from 0 to 1")
-    found, run, _ = chosen(case, run, out)
-    if found.runs[run].fidelity is None:
+    case_used, run, _ = chosen(case, run, out)
+    if case_used.runs[run].fidelity is None:
         raise InputError(f"{case.name}, run {run}: expected [fidelity] with accuracy and signals")
     ready = path_of(packages)
     return Plan(case, run, out, ready and ready.resolve(), checked)

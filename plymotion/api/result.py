@@ -152,8 +152,8 @@ class Result:
         True
         """
         balance = self.data.energy_balance
-        found = {**self.data.energies, "balance": balance}
-        return ByName("energies", {n: Signal(n, "J", "", self.t, v) for n, v in found.items()})
+        histories = {**self.data.energies, "balance": balance}
+        return ByName("energies", {n: Signal(n, "J", "", self.t, v) for n, v in histories.items()})
 
     def to_pandas(self) -> Any:
         """Return a DataFrame of all signals over time. Raises ImportError without pandas.
@@ -190,11 +190,11 @@ class Result:
         return figure
 
     def __repr__(self) -> str:
-        words = [f"{self.status} at t = {self.summary['t_end']:.4g} s"]
-        words.append(counted(len(self.summary["signals"]), "signal"))
+        parts = [f"{self.status} at t = {self.summary['t_end']:.4g} s"]
+        parts.append(counted(len(self.summary["signals"]), "signal"))
         if self.warnings:
-            words.append(f"warnings: {', '.join(w['code'] for w in self.warnings)}")
-        return f"<Result {self.case}/{self.run}: {', '.join(words)}>"
+            parts.append(f"warnings: {', '.join(w['code'] for w in self.warnings)}")
+        return f"<Result {self.case}/{self.run}: {', '.join(parts)}>"
 
     def _repr_html_(self) -> str:
         page = signals_table(list(self.signals.values()), repr(self).strip("<>"))
@@ -302,8 +302,8 @@ def path_of(folder: str | Path | None) -> Path | None:
 
 def signals_of(data: RunResult) -> ByName[Signal]:
     """Return the signals of a result by name."""
-    found = (Signal(s.name, s.unit, s.description, data.t, s.values) for s in data.signals)
-    return ByName("signals", {signal.name: signal for signal in found})
+    signals = (Signal(s.name, s.unit, s.description, data.t, s.values) for s in data.signals)
+    return ByName("signals", {signal.name: signal for signal in signals})
 
 
 def folder_of(case: Case, out: str | Path | None, *, coarse: bool = False) -> Path:
@@ -341,7 +341,7 @@ def run_named(name: str, run: str | None, runs: Iterable[str]) -> str:
 
 def only_run(name: str, runs: Iterable[str]) -> str:
     """Return the only run of a case. Raises InputError."""
-    found = list(runs)
-    if len(found) != 1:
-        raise InputError(f"{name}: expected the name of a run: {few(found)}")
-    return found[0]
+    runs_given = list(runs)
+    if len(runs_given) != 1:
+        raise InputError(f"{name}: expected the name of a run: {few(runs_given)}")
+    return runs_given[0]

@@ -48,9 +48,9 @@ def picture(mesh: SectionMeshData) -> Markup:
         points = "L".join(f"{x[i]:.1f} {y[i]:.1f}" for i in corners)
         paths.setdefault(int(mesh.ply[c]), []).append(f"M{points}Z")
     parts = [
-        f'<path d="{"".join(found)}" fill="{COLOURS[ply % len(COLOURS)]}" stroke="white" '
+        f'<path d="{"".join(path)}" fill="{COLOURS[ply % len(COLOURS)]}" stroke="white" '
         'stroke-width="0.2"/>'
-        for ply, found in sorted(paths.items())
+        for ply, path in sorted(paths.items())
     ]
     height = 8 + float(high[1] - low[1]) * scale
     return Markup(f'<svg width="{SIZE}" height="{height:.0f}">{"".join(parts)}</svg>')

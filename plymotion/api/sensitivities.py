@@ -82,10 +82,12 @@ class Sensitivities:
         >>> found.derivatives["angle"]["gravity.2"].shape
         (101,)
         """
-        found: dict[str, dict[str, Array]] = {}
+        by_signal: dict[str, dict[str, Array]] = {}
         for one in self.data.sensitivities:
-            found.setdefault(one.signal, {})[one.parameter] = one.values
-        return ByName("signals", {name: ByName("parameters", own) for name, own in found.items()})
+            by_signal.setdefault(one.signal, {})[one.parameter] = one.values
+        return ByName(
+            "signals", {name: ByName("parameters", own) for name, own in by_signal.items()}
+        )
 
     def write(self, folder: str | Path) -> list[Path]:
         """Write result.vtkhdf, with /sensitivities, and summary.json; return them.

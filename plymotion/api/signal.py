@@ -90,12 +90,12 @@ def pandas() -> ModuleType:
         It is not installed; the message says how to install it.
     """
     try:
-        import pandas as found
+        import pandas as module
     except ImportError as error:
         raise ImportError(
             "to_pandas() needs pandas, which is not installed; expected pip install pandas"
         ) from error
-    return found
+    return module
 
 
 class Signal:
@@ -182,8 +182,8 @@ class Signal:
         """
         integral = SquareIntegral()
         integral.take(self.t, self.values)
-        found = integral.rms()
-        return np.nan if found is None else found
+        value = integral.rms()
+        return np.nan if value is None else value
 
     @property
     def peak_to_peak(self) -> float:
@@ -338,9 +338,9 @@ def signals_table(signals: list[Signal], caption: str = "") -> str:
 def pyplot() -> Any:
     """Return matplotlib's pyplot. Raises ImportError with words on how to install it."""
     try:
-        from matplotlib import pyplot as found
+        from matplotlib import pyplot as module
     except ImportError as error:
         raise ImportError(
             "plot() needs matplotlib, which is not installed; expected pip install matplotlib"
         ) from error
-    return found
+    return module

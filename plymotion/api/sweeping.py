@@ -137,8 +137,8 @@ class Sweep:
         >>> found.signals["tip_x"].final.round(3)
         array([-1.   ,  0.405])
         """
-        found = {name: SweepSignal(self.data, name) for name in self.data.signal_units}
-        return ByName("signals", found)
+        by_name = {name: SweepSignal(self.data, name) for name in self.data.signal_units}
+        return ByName("signals", by_name)
 
     @cached_property
     def status(self) -> list[str]:
@@ -183,12 +183,12 @@ class Sweep:
         """
         axes = pyplot().gca() if axes is None else axes
         name, unit = self.data.parameter_names[0], self.data.parameter_units[0]
-        x, found = self.parameters[name], self.signals[signal]
+        x, values = self.parameters[name], self.signals[signal]
         if measure not in (known := self.data.measures(signal)):
             raise InputError(f"{signal} has no measure {measure!r}{nearest(measure, known)}")
         order = np.argsort(x, kind="stable")
-        axes.plot(x[order], getattr(found, measure)[order], **{"marker": "o", **style})
-        label = f"{found.description or signal}, {measure} [{found.unit}]"
+        axes.plot(x[order], getattr(values, measure)[order], **{"marker": "o", **style})
+        label = f"{values.description or signal}, {measure} [{values.unit}]"
         axes.set(xlabel=f"{name} [{unit}]" if unit else name, ylabel=label)
         return axes
 
@@ -295,13 +295,13 @@ def _compute(file: Path, jobs: int, *, fresh: bool, progress: bool) -> None:
 
 def _listed(vary: Mapping[str, Any]) -> dict[str, object]:
     """Return parameters as a case file has them. Raises InputError."""
-    found = {}
+    values_by_name = {}
     for name, values in vary.items():
         try:
-            found[name] = plain(values if isinstance(values, Mapping) else list(values))
+            values_by_name[name] = plain(values if isinstance(values, Mapping) else list(values))
         except TypeError:
             raise InputError(
                 f"vary: {name} = {values!r}: expected a list of values, or a table with from, "
                 "to and count"
             ) from None
-    return found
+    return values_by_name

@@ -114,8 +114,8 @@ def beam_input(model: BeamModel, solver: EigenSolver) -> tuple[Condition, list[S
     loads += spinning_loads(condition, line, spec.modes.spinning, first)
     if model.carried and spec.modes.eigenmodes:
         chord = reference_condition(line, spec.mass_form, "chord", nodes)
-        found = eigenmodes(chord, spec.modes.eigenmodes, *_kinds(model), solver)
-        for label, value, column in zip(found.labels, found.values, found.columns_B.T, strict=True):
+        modes = eigenmodes(chord, spec.modes.eigenmodes, *_kinds(model), solver)
+        for label, value, column in zip(modes.labels, modes.values, modes.columns_B.T, strict=True):
             loads.append(StaticLoad(label, np.zeros_like(column), value * column))
     return condition, loads, unit_loads(condition, line, model.node_of)
 

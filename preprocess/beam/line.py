@@ -170,13 +170,13 @@ class BeamLine:
         # lengths from linspace positions differ in the last bits; treat them as equal
         rounded = np.round(self.lengths / self.along[-1], 12)
         keys = np.column_stack([rounded, self.section_of])
-        found = []
+        result = []
         for value in np.unique(keys, axis=0):
             numbers = np.flatnonzero((keys == value).all(axis=1))
             section = self.sections[int(value[1])]
             element = BeamElement(float(self.lengths[numbers].mean()), section.K)
-            found.append(Span(element, numbers, section))
-        return found
+            result.append(Span(element, numbers, section))
+        return result
 
     def stiffness(self) -> sp.csr_matrix:
         """Stiffness of the free beam in body axes, (6 n, 6 n), with six dofs per node."""

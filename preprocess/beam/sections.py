@@ -93,12 +93,12 @@ def analysed_section(result: SectionFile, theory: str) -> StationSection:
 def _numbers(table: dict[str, object], key: str, shape: tuple[int, ...]) -> Array:
     form = " x ".join(map(str, shape))
     try:
-        found = np.array(table[key], dtype=float)
+        values = np.array(table[key], dtype=float)
     except (KeyError, TypeError, ValueError) as error:
         raise SpecError(f"section.{key}: expected {form} numbers") from error
-    if found.shape != shape or not np.isfinite(found).all():
+    if values.shape != shape or not np.isfinite(values).all():
         raise SpecError(f"section.{key}: expected {form} finite numbers")
-    return found
+    return values
 
 
 @dataclass(frozen=True)
@@ -137,7 +137,7 @@ class Profile:
         """
         if len(given) == 1:
             return (given[0],)
-        found = []
+        data = []
         for node, fraction in enumerate(line.along / line.along[-1]):
             nearest = int(np.argmin(np.abs(np.array(self.places) - fraction)))
             section = self._at(float(fraction))
@@ -145,10 +145,10 @@ class Profile:
             if abs(self.places[nearest] - fraction) < 1e-9:
                 one = given[nearest]
                 name, ply_table, recovery = f"{name} {one.name}", one.ply_table, one.recovery
-                found.append(SectionData(name, section.K, section.mass, ply_table, recovery))
+                data.append(SectionData(name, section.K, section.mass, ply_table, recovery))
             else:
-                found.append(SectionData(name, section.K, section.mass))
-        return tuple(found)
+                data.append(SectionData(name, section.K, section.mass))
+        return tuple(data)
 
     def _at(self, fraction: float) -> LineSection:
         weights = [np.interp(fraction, self.places, row) for row in np.eye(len(self.places))]

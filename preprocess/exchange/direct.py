@@ -84,8 +84,8 @@ def negative_eigenvalues(A: sp.csr_matrix, parts: list[Supernode]) -> int:
         later = [own.indices[place[own.indices] > end], *(its for its, _ in others)]
         touched = np.setdiff1d(np.concatenate(later), rows)
         front = _assembled(own, rows, touched, size, local, others)
-        found, rest = _eliminated(front, len(rows))
-        count += found
+        negative, rest = _eliminated(front, len(rows))
+        count += negative
         waiting[number] = touched, rest
     return count
 

@@ -99,11 +99,11 @@ class Layups:
         stress, density = mass / (length * time**2), mass / length**3
         materials = {}
         for name, table in self.materials.items():
-            found = {k: v * stress if k in STRESS else v for k, v in table.items()}
-            found["rho"] = table["rho"] * density
+            converted = {k: v * stress if k in STRESS else v for k, v in table.items()}
+            converted["rho"] = table["rho"] * density
             if "strength" in table:
-                found["strength"] = {k: v * stress for k, v in table["strength"].items()}
-            materials[name] = found
+                converted["strength"] = {k: v * stress for k, v in table["strength"].items()}
+            materials[name] = converted
         laminates = {}
         for name, table in self.laminates.items():
             plies = [{**ply, "thickness": ply["thickness"] * length} for ply in table["plies"]]
@@ -133,14 +133,14 @@ def recovered(layups: Layups, nodes: Array, cells: Cells, shapes: Array, where: 
         name: laminate_stiffness(spec.laminate, spec.shear) for name, spec in specs.items()
     }
     strains = centre_strains(layups, nodes, cells, shapes)
-    found = np.empty_like(strains)
+    resultants = np.empty_like(strains)
     for number, (A, B, D, Ds, *_) in enumerate(stiffness.values()):
         own = layups.laminate == number
         e, k, gamma = strains[own, :3], strains[own, 3:6], strains[own, 6:]
-        found[own] = np.concatenate([A @ e + B @ k, B @ e + D @ k, Ds @ gamma], axis=1)
+        resultants[own] = np.concatenate([A @ e + B @ k, B @ e + D @ k, Ds @ gamma], axis=1)
     data = (specs[name].data(name, stiffness[name], layups.materials) for name in specs)
     return Recovered(
-        tuple(data), CellResultants(layups.cell, layups.laminate, layups.A_BE, rounded(found))
+        tuple(data), CellResultants(layups.cell, layups.laminate, layups.A_BE, rounded(resultants))
     )
 
 

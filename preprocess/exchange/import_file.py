@@ -98,7 +98,7 @@ def imported(
     code, _, modes = kind.partition("-")
     reader = importlib.import_module(f"{__package__}.formats.{code}")
     try:
-        found = reader.read_modes(files) if modes else reader.read(files)
+        body = reader.read_modes(files) if modes else reader.read(files)
     except (InputError, PackageError):
         raise
     except DAMAGE as error:
@@ -108,9 +108,9 @@ def imported(
         ) from error
     reduction = cast(Reduction, {k: v for k, v in table.items() if k not in OWN_KEYS})
     try:
-        if isinstance(found, FreeBody):
-            return reduce_body(found, reduction, tell)
-        return modal_package(found, reduction, files)
+        if isinstance(body, FreeBody):
+            return reduce_body(body, reduction, tell)
+        return modal_package(body, reduction, files)
     except (ArpackError, LinAlgError, ArithmeticError, MemoryError) as error:
         what = " ".join(str(error).split())[:200] or type(error).__name__
         raise InputError(

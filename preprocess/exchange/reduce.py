@@ -229,15 +229,16 @@ def _carriers(body: FreeBody, table: Reduction, every: list[Link]) -> list[Link]
                 f'{body.where}: interfaces.{name}.link = "average": expected "rigid": it carries '
                 "the body frame"
             )
-    found = [by_name[name] for name in names]
+    carriers = [by_name[name] for name in names]
     if expected == 2:
-        along = found[1].position - found[0].position
+        along = carriers[1].position - carriers[0].position
         if not np.linalg.norm(along[1:]) <= ALONG * np.linalg.norm(along) > 0.0:
             raise InputError(
                 f"{where}.at: expected two interfaces on a line along the body's x; {names[0]} is "
-                f"at {found[0].position.tolist()} m, {names[1]} at {found[1].position.tolist()} m"
+                f"at {carriers[0].position.tolist()} m, {names[1]} at "
+                f"{carriers[1].position.tolist()} m"
             )
-    return found
+    return carriers
 
 
 def _loads(table: Reduction, every: list[Link], parts: Constrained) -> list[StaticLoad]:

@@ -196,10 +196,10 @@ class SolidSpace:
         compiled = compiled_form(form)
 
         def vector() -> Array:
-            found = dolfinx.fem.petsc.assemble_vector(compiled)
+            assembled = dolfinx.fem.petsc.assemble_vector(compiled)
             out = np.empty(3 * len(self.points))
-            out[self._order] = found.getArray()
-            found.destroy()
+            out[self._order] = assembled.getArray()
+            assembled.destroy()
             return out
 
         return vector

@@ -197,7 +197,7 @@ def _sharpened(K: sp.csr_matrix, M: sp.csr_matrix, X: Array) -> Array:
     as that of a long thin beam.
     """
     K, M = K.toarray(), M.toarray()
-    found = []
+    vectors = []
     for x in X.T:
         load = M @ x
         shifted = K - (x @ K @ x) / (x @ load) * M
@@ -205,8 +205,8 @@ def _sharpened(K: sp.csr_matrix, M: sp.csr_matrix, X: Array) -> Array:
             y = np.linalg.solve(shifted, load)  # nearly singular, along the wanted vector
         except np.linalg.LinAlgError:
             y = x  # an eigenvector to the last digit
-        found.append(y / np.linalg.norm(y))
-    return np.column_stack(found)
+        vectors.append(y / np.linalg.norm(y))
+    return np.column_stack(vectors)
 
 
 def checked(K: sp.csr_matrix, M: sp.csr_matrix, X: Array, team: Team) -> tuple[Array, Array]:

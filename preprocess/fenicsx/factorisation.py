@@ -256,12 +256,12 @@ class Cholesky:
         size = ((len(own), len(columns)), (PETSc.DECIDE, count))
         rhs = PETSc.Mat().createDense(size, array=own, comm=comm)
         rhs.assemble()
-        found = np.zeros_like(own)
-        out = PETSc.Mat().createDense(size, array=found, comm=comm)
+        solution = np.zeros_like(own)
+        out = PETSc.Mat().createDense(size, array=solution, comm=comm)
         out.assemble()
         self._factor.matSolve(rhs, out)
         destroy(rhs, out)
-        return self._rows.gathered(found)
+        return self._rows.gathered(solution)
 
 
 def cholesky(

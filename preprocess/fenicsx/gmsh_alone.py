@@ -54,16 +54,16 @@ def apart(function: Callable[..., Any], *arguments: Any) -> Any:
             spent, still = now, still + 1 if now == spent else 0
             if still == 2:  # one alone may be a command that was stopped and goes on
                 raise MeshError(f"{arguments[0]}: gmsh waits without end; start the command again")
-        found = here.recv()
+        received = here.recv()
     except EOFError:
         copy.join()
         raise GmshEndedError(copy.exitcode) from None
     finally:
         copy.kill()
         copy.join()
-    if isinstance(found, Exception):
-        raise found
-    return found
+    if isinstance(received, Exception):
+        raise received
+    return received
 
 
 def _processor_time(pid: int) -> float:
@@ -78,10 +78,10 @@ def _send(there: Any, function: Callable[..., Any], arguments: tuple[Any, ...]) 
     faulthandler.disable()
     os.dup2(os.open(os.devnull, os.O_WRONLY), 2)  # OpenCASCADE's words, and MPI's of a signal
     try:
-        found = function(*arguments)
+        outcome = function(*arguments)
     except Exception as error:  # raised again in the other process
-        found = error
-    there.send(found)
+        outcome = error
+    there.send(outcome)
 
 
 def allow(seconds: float, memory: int | None = None) -> None:

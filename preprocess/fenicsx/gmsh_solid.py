@@ -145,17 +145,17 @@ def _import(path: Path, metres: float | None) -> None:
             occ.importShapes(str(path))
             gmsh.clear()
         gmsh.option.setString("Geometry.OCCTargetUnit", "M")
-        found = occ.importShapes(str(path), highestDimOnly=True)  # never run as a script
-        if suffix in IGES and (len(found) != 1 or found[0][0] != 3):
-            found = _sewn_one_by_one(path)
+        shapes = occ.importShapes(str(path), highestDimOnly=True)  # never run as a script
+        if suffix in IGES and (len(shapes) != 1 or shapes[0][0] != 3):
+            shapes = _sewn_one_by_one(path)
     except Exception as error:  # gmsh raises bare Exception
         raise MeshError(f"{path}: OpenCASCADE cannot read it: {error}") from error
     gmsh.option.setNumber("Geometry.Tolerance", 1e-8)
-    solids = [tag for tag in found if tag[0] == 3]
+    solids = [tag for tag in shapes if tag[0] == 3]
     if not solids:
         kinds = {2: "faces", 1: "curves", 0: "points"}
         what = ", ".join(
-            f"{sum(d == k for d, _ in found)} {kinds[k]}" for k in {d for d, _ in found}
+            f"{sum(d == k for d, _ in shapes)} {kinds[k]}" for k in {d for d, _ in shapes}
         )
         raise MeshError(
             f"{path}: no closed solid, found {what or 'nothing'}: an open shell has no inside; "
@@ -184,9 +184,9 @@ def _sewn_one_by_one(path: Path) -> list[tuple[int, int]]:
         gmsh.clear()
         for name in ("OCCSewFaces", "OCCMakeSolids"):
             gmsh.option.setNumber(f"Geometry.{name}", 0.0)
-        found = occ.importShapes(str(path), highestDimOnly=True)
+        shapes = occ.importShapes(str(path), highestDimOnly=True)
         occ.synchronize()
-        return [tag for tag in found if tag[0] == 2]
+        return [tag for tag in shapes if tag[0] == 2]
 
     groups: list[list[tuple[int, int]]] = [[]]
     odd: list[Array] = []
@@ -201,7 +201,7 @@ def _sewn_one_by_one(path: Path) -> list[tuple[int, int]]:
                 odd = others if len(others) < len(odd) else [*odd, place]
         if not odd:
             groups.append([])
-    found: list[tuple[int, int]] = []
+    shapes: list[tuple[int, int]] = []
     with tempfile.TemporaryDirectory() as folder:
         files = []
         for number, group in enumerate(groups[:-1]):
@@ -213,12 +213,12 @@ def _sewn_one_by_one(path: Path) -> list[tuple[int, int]]:
         for name in ("OCCSewFaces", "OCCMakeSolids"):
             gmsh.option.setNumber(f"Geometry.{name}", 1.0)
         for file in files:
-            found += occ.importShapes(file, highestDimOnly=True)
-    return found if not groups[-1] else [*found, *faces()]
+            shapes += occ.importShapes(file, highestDimOnly=True)
+    return shapes if not groups[-1] else [*shapes, *faces()]
 
 
 def _cad_parts(path: Path) -> tuple[CadPart, ...]:
-    occ, found = gmsh.model.occ, []
+    occ, parts = gmsh.model.occ, []
     for dimension, tag in gmsh.model.getEntities(3):
         volume = float(occ.getMass(dimension, tag))
         if not volume > 0.0:
@@ -227,8 +227,8 @@ def _cad_parts(path: Path) -> tuple[CadPart, ...]:
                 "its faces outwards"
             )
         J = np.reshape(occ.getMatrixOfInertia(dimension, tag), (3, 3))
-        found.append(CadPart(volume, np.array(occ.getCenterOfMass(dimension, tag)), J))
-    return tuple(found)
+        parts.append(CadPart(volume, np.array(occ.getCenterOfMass(dimension, tag)), J))
+    return tuple(parts)
 
 
 def _set_sizes(path: Path, size: float | None, smallest: float) -> None:
@@ -362,7 +362,7 @@ def _volume_groups(path: Path) -> dict[str, list[int]]:
 
 def _face_groups(used: IntArray) -> dict[str, IntArray]:
     """Corners of the faces of every physical surface, rows of the used nodes."""
-    found: dict[str, IntArray] = {}
+    groups: dict[str, IntArray] = {}
     for name, entities in physical(2).items():
         tables = []
         for entity in entities:
@@ -372,5 +372,5 @@ def _face_groups(used: IntArray) -> dict[str, IntArray]:
                 corners = np.reshape(table, (-1, width))[:, : FACES[int(kind)]].astype(np.int64)
                 tables.append(np.searchsorted(used, corners).clip(max=len(used) - 1))
         if tables:
-            found[name] = np.concatenate(tables)
-    return found
+            groups[name] = np.concatenate(tables)
+    return groups

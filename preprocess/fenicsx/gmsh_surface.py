@@ -48,11 +48,11 @@ def plain_from_model(where: str, gdim: int = 2) -> PlainMesh:
     shape, degree, n_node = CELLS[kinds[0]] if len(kinds) == 1 else SURFACE
     parts, rows = [], []
     for row, (name, entities) in enumerate(groups.items()):
-        found = [_cells(kind, entities, n_node) for kind in kinds]
-        if not any(len(nodes) for nodes in found):
+        tables = [_cells(kind, entities, n_node) for kind in kinds]
+        if not any(len(nodes) for nodes in tables):
             raise MeshError(f"{where}: physical surface {name!r} has no cells")
-        parts += found
-        rows.append(np.full(sum(map(len, found)), row))
+        parts += tables
+        rows.append(np.full(sum(map(len, tables)), row))
     labels = np.concatenate(parts)
     used = np.searchsorted(tags, np.unique(labels[labels >= 0]))
     position = np.full(len(tags), -1)

@@ -189,10 +189,10 @@ def _by_ffcx(expression: Any, points: Array, **options: Any) -> tuple[int, Any]:
     """Address of a compiled expression at points, and what keeps it loaded."""
     jit = dolfinx.jit.ffcx_jit
     with quiet():
-        found, module, _ = jit(
+        compiled, module, _ = jit(
             MPI.COMM_SELF, (expression, points), **{JIT_OPTIONS: {**JIT, **options}}
         )
-    return int(module.ffi.cast("intptr_t", found.tabulate_tensor_float64)), (found, module)
+    return int(module.ffi.cast("intptr_t", compiled.tabulate_tensor_float64)), (compiled, module)
 
 
 @dataclass(frozen=True)

@@ -108,10 +108,10 @@ class TwoGrids:
     def _columns(self, solve: Any, B: Array) -> Array:
         out = np.empty_like(B, dtype=np.float64)
         table, columns = out.reshape(len(B), -1), np.reshape(B, (len(B), -1))
-        load, found = (self._held[1].createVecRight() for _ in range(2))
+        load, solution = (self._held[1].createVecRight() for _ in range(2))
         for k in range(columns.shape[1]):
             load.setArray(columns[:, k])
-            solve(load, found)
-            table[:, k] = found.getArray()
-        destroy(load, found)
+            solve(load, solution)
+            table[:, k] = solution.getArray()
+        destroy(load, solution)
         return out

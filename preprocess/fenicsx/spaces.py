@@ -145,11 +145,11 @@ def cell_function(mesh: Any, values: Any, rule: int | None = None) -> Any:
         element = element_of(cell, 0, table.shape[1:], gdim, dg=True)
     else:
         element = element_of_rule(cell, rule, table.shape[2:], gdim)
-    found = dolfinx.fem.Function(function_space(mesh, element))
-    rows = cell_dofs(found.function_space).ravel()
-    array = found.x.array.reshape(rows.size, -1)
+    function = dolfinx.fem.Function(function_space(mesh, element))
+    rows = cell_dofs(function.function_space).ravel()
+    array = function.x.array.reshape(rows.size, -1)
     array[rows] = table.reshape(rows.size, -1)
-    return found
+    return function
 
 
 def compiled_form(form: Any) -> Any:

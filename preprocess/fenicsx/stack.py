@@ -81,11 +81,11 @@ def keep_memory() -> None:
 
 
 def _mpi() -> Any:
-    found = import_module("mpi4py.MPI")
+    MPI = import_module("mpi4py.MPI")
     if find_spec("dolfinx_solver") is not None:  # the wheel of DOLFINx
         keep_memory()
         import_module("dolfinx_solver")
-    return found
+    return MPI
 
 
 def _after_mpi(name: str) -> Any:
@@ -98,13 +98,13 @@ def _petsc() -> Any:
     # arrive here only when they get work. All objects are created with an explicit communicator.
     # PETSc would read .petscrc of the current folder, which can name a library to load.
     import_module("petsc4py").init(["", "-skip_petscrc"], comm=_part("MPI").COMM_SELF)
-    found = import_module("petsc4py.PETSc")
-    if np.dtype(found.ScalarType).kind != "f":
+    PETSc = import_module("petsc4py.PETSc")
+    if np.dtype(PETSc.ScalarType).kind != "f":
         raise MissingFenicsx(
-            f"{sys.executable} has a PETSc of complex numbers ({np.dtype(found.ScalarType)}); "
+            f"{sys.executable} has a PETSc of complex numbers ({np.dtype(PETSc.ScalarType)}); "
             f"the real build is needed. {HELP}"
         )
-    return found
+    return PETSc
 
 
 def _has_mumps() -> bool:
@@ -142,13 +142,13 @@ def _part(name: str) -> Any:
     if name in globals():
         return globals()[name]
     try:
-        found = _PARTS[name]()
+        part = _PARTS[name]()
     except MissingFenicsx:
         raise
     except ImportError as error:
         raise refused(error) from error
-    globals()[name] = found
-    return found
+    globals()[name] = part
+    return part
 
 
 def __getattr__(name: str) -> Any:
@@ -162,15 +162,15 @@ def versions() -> dict[str, str]:
 
     SLEPc and gmsh are among them if they are loaded: others had no part in the results.
     """
-    found = {"dolfinx": _version("dolfinx"), "basix": _version("basix")}
-    found["petsc"] = ".".join(str(part) for part in _part("PETSc").Sys.getVersion())
+    versions_of_parts = {"dolfinx": _version("dolfinx"), "basix": _version("basix")}
+    versions_of_parts["petsc"] = ".".join(str(part) for part in _part("PETSc").Sys.getVersion())
     if slepc := globals().get("SLEPc"):
-        found["slepc"] = ".".join(str(part) for part in slepc.Sys.getVersion())
-        found["slepc4py"] = str(sys.modules["slepc4py"].__version__)
+        versions_of_parts["slepc"] = ".".join(str(part) for part in slepc.Sys.getVersion())
+        versions_of_parts["slepc4py"] = str(sys.modules["slepc4py"].__version__)
     if gmsh := globals().get("gmsh"):
-        found["gmsh"] = str(gmsh.__version__)
+        versions_of_parts["gmsh"] = str(gmsh.__version__)
     return {
-        **found,
+        **versions_of_parts,
         "numpy": np.__version__,
         "h5py": h5py.__version__,
         "python": sys.version.split()[0],

@@ -127,13 +127,13 @@ class Distribution:
         The pattern is symmetric: rows of others in this part tell which own rows have columns of
         others. Of rows with entries of several processes, the sum of the lengths is the bound.
         """
-        found = self.team.total(np.diff(part.indptr).astype(float))[self.rows]
+        lengths = self.team.total(np.diff(part.indptr).astype(float))[self.rows]
         across = np.bincount(part[self._elsewhere].indices, minlength=self.n)[self.rows]
-        across[self._n_inner :] = found[self._n_inner :]
-        found[: self._n_inner] -= across[: self._n_inner]
+        across[self._n_inner :] = lengths[self._n_inner :]
+        lengths[: self._n_inner] -= across[: self._n_inner]
         return tuple(
             np.minimum(count, most).astype(stack.PETSc.IntType)
-            for count, most in ((found, self.n_own), (across, self.n - self.n_own))
+            for count, most in ((lengths, self.n_own), (across, self.n - self.n_own))
         )
 
     def gathered(self, own: Array) -> Array:
@@ -184,6 +184,6 @@ class Ranks(Team):
                 print(text, file=sys.stderr, flush=True)
                 self._private.Abort(2)
             time.sleep(0.001)
-        for rank, found in enumerate(self._private.allgather(error and str(error))):
-            if found is not None:
-                raise error or RankError(f"rank {rank}: {found}")
+        for rank, message in enumerate(self._private.allgather(error and str(error))):
+            if message is not None:
+                raise error or RankError(f"rank {rank}: {message}")

@@ -76,12 +76,12 @@ def signs(columns: Array, kinds: list[str], far_to_near: IntArray) -> Array:
     kinds : name of each mode
     far_to_near : nodes from the farthest to the reference node
     """
-    found = np.ones(len(kinds))
+    values = np.ones(len(kinds))
     for i, kind in enumerate(kinds):
         motion = columns[COMPONENTS[kind] :: 6, i][far_to_near]
         first = int(np.argmax(np.abs(motion) >= 0.5 * np.abs(motion).max()))
-        found[i] = 1.0 if motion[first] > 0.0 else -1.0
-    return found
+        values[i] = 1.0 if motion[first] > 0.0 else -1.0
+    return values
 
 
 SPARE = 4
@@ -141,7 +141,7 @@ def eigenmodes(
         complete = n_mode == condition.n_finite
         usable = n_mode if complete else clusters(values)[-1][0]
         # A Krylov method may return only one of two modes of equal frequency: count them.
-        found = complete or (
+        ready = complete or (
             usable > 0
             and condition.count_below(0.5 * values[usable - 1 : usable + 1].sum()) == usable
         )
@@ -152,7 +152,7 @@ def eigenmodes(
         shares = shares_of(np.einsum("ai,kab,bj->kij", rotation, P, rotation, optimize=True))
         names = [kind_of(share) for share in shares]
         chosen, missing = _choose(names, requests)
-        if found and missing is None:
+        if ready and missing is None:
             break
         if complete and missing is not None:
             census = ", ".join(f"{names.count(kind)} {kind}" for kind in KINDS)

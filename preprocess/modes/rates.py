@@ -124,7 +124,7 @@ def _eigen_rates(
     others = modes.others or (np.zeros(0), np.zeros((len(modes.columns_B), 0)))
     values = np.concatenate([modes.values[:n_eigen], others[0]])
     X = np.hstack([modes.columns_B[:, :n_eigen], others[1]])
-    found = [(np.zeros_like(X[:, :n_eigen]), np.zeros((n_eigen, n_eigen))) for _ in changes]
+    rates = [(np.zeros_like(X[:, :n_eigen]), np.zeros((n_eigen, n_eigen))) for _ in changes]
     for rows in _clusters(values):
         kept = rows[rows < n_eigen]
         if not len(kept):
@@ -134,7 +134,7 @@ def _eigen_rates(
         M_rates = [Xc.T @ (c.M @ Xc) for c in changes]
         mean = 0.5 * (values[rows] + values[rows][:, None])
         own = np.searchsorted(rows, kept)
-        for (_, dL), K, M in zip(found, K_rates, M_rates, strict=True):
+        for (_, dL), K, M in zip(rates, K_rates, M_rates, strict=True):
             L = (K - mean * M)[np.ix_(own, own)]
             dL[np.ix_(kept, kept)] = 0.5 * (L + L.T)
         for group in _clusters(values[kept], SAME, kept):
@@ -148,8 +148,8 @@ def _eigen_rates(
                 part = moved[:, k * len(group) : (k + 1) * len(group)]
                 for column, i in enumerate(group):
                     turn = _shares(values, rows, i, n_eigen, K_rates[k], M_rates[k], change.name)
-                    found[k][0][:, i] = part[:, column] + Xc @ turn
-    return found
+                    rates[k][0][:, i] = part[:, column] + Xc @ turn
+    return rates
 
 
 def _shares(
@@ -204,8 +204,8 @@ def _bordered(condition: Condition, value: float, X: Array, MX: Array, loads: Ar
     x[free[rest]] = solved
     count = loads.shape[1]
     x[free[last], count + np.arange(len(last))] = 1.0
-    found, null = x[:, :count], x[:, count:]
-    return np.asarray(found - null @ np.linalg.solve(MX.T @ null, MX.T @ found))
+    solution, null = x[:, :count], x[:, count:]
+    return np.asarray(solution - null @ np.linalg.solve(MX.T @ null, MX.T @ solution))
 
 
 def _turning(values: Array, rate: Array) -> tuple[Array, Array]:

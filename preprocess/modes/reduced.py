@@ -123,7 +123,7 @@ def static_modes(
     condition: Condition,
     kept: Eigenmodes,
     loads: Sequence[StaticLoad],
-    found: StaticShapes,
+    static: StaticShapes,
     participation: Participation,
 ) -> StaticModes:
     """Modes that the static shapes `found` of `loads` add to the eigenmodes `kept`.
@@ -137,7 +137,7 @@ def static_modes(
     if not loads:
         return StaticModes(np.zeros(0), empty, empty, np.zeros((len(kept.values), 0)), (), ())
     unit, count = np.eye(len(kept.values) + len(loads)), len(kept.values)
-    x, a, load = (part[:, : len(loads)] for part in found)
+    x, a, load = (part[:, : len(loads)] for part in static)
     shapes = _Shapes(x, a, load, unit[:, count:])
     inertia = kept.columns_B * kept.values
     eigen = _Shapes(kept.columns_B, inertia, condition.M @ inertia, unit[:, :count])
@@ -185,7 +185,7 @@ def _diagonalised(
     Inverse eigenvalues far below the largest one are affected by round-off. Therefore the softest
     modes are computed first, then those of the remainder. Shapes that move no mass have no mode.
     """
-    found, largest = [eigen], 0.0
+    groups, largest = [eigen], 0.0
     while remainders.x.shape[1]:
         inverse, V = (
             part[..., ::-1] for part in scipy.linalg.eigh(remainders.x.T @ (M @ remainders.x))
@@ -194,9 +194,9 @@ def _diagonalised(
         if inverse[0] <= MASSLESS * largest:
             break
         count = np.count_nonzero(inverse > GRADED * inverse[0])
-        found.append(remainders @ (V[:, :count] / np.sqrt(inverse[:count])))
+        groups.append(remainders @ (V[:, :count] / np.sqrt(inverse[:count])))
         remainders = remainders @ V[:, count:]
-    modes = _Shapes.joined(found)
+    modes = _Shapes.joined(groups)
     # Gram-Schmidt in mass from soft to stiff: removing soft parts hardly changes a stiff mode's
     # energy.
     factor = np.linalg.cholesky(modes.x.T @ (M @ modes.x))
@@ -272,8 +272,8 @@ class Modes:
         frequencies = np.sqrt(self.values)
         damping = np.diag(2.0 * damping_ratio * frequencies)
         modal = {"mass": np.eye(len(frequencies)), "stiffness": np.diag(self.values)}
-        found = {"mode_kinds": self.kinds, "frequencies": frequencies, "damping": damping}
-        return {**found, **modal, "compliance": self.compliance}
+        fields = {"mode_kinds": self.kinds, "frequencies": frequencies, "damping": damping}
+        return {**fields, **modal, "compliance": self.compliance}
 
 
 def reduced_modes(
@@ -319,12 +319,12 @@ def completed(
     n_dof, count = condition.K.shape[0], len(loads)
     unit = np.zeros((n_dof, 0)) if unit_loads is None else unit_loads
     requested = [np.array([getattr(a, n) for a in loads]).reshape(count, n_dof).T for n in LOADS]
-    found = StaticShapes(*np.zeros((3, n_dof, 0)))
+    static = StaticShapes(*np.zeros((3, n_dof, 0)))
     if count or unit.shape[1]:
         requested = [np.hstack([requested[0], unit]), np.hstack([requested[1], 0.0 * unit])]
-        found = condition.static(*requested)
-    C = found.columns[:, count:].T @ found.loads[:, count:]
-    added = static_modes(condition, kept, loads, found, participation)
+        static = condition.static(*requested)
+    C = static.columns[:, count:].T @ static.loads[:, count:]
+    added = static_modes(condition, kept, loads, static, participation)
     n_eigen, n_static = len(kept.values), len(added.values)
     modes = Modes(
         np.concatenate([kept.values, added.values]),
@@ -336,7 +336,7 @@ def completed(
         None if unit_loads is None else 0.5 * (C + C.T),
         added.warnings,
         kept.others,
-        found,
+        static,
         added.combination,
     )
     _check(condition, modes)

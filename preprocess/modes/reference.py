@@ -95,7 +95,7 @@ class Condition(Protocol):
         """Shapes under nodal forces (n_dof, k) and loads M a, a = accelerations (n_dof, k)."""
 
     def load_rates(
-        self, found: StaticShapes, mass: Any, forces: Array, accelerations: Array
+        self, static: StaticShapes, mass: Any, forces: Array, accelerations: Array
     ) -> tuple[Array, Array]:
         """Derivatives of accelerations and loads of static shapes.
 
@@ -133,10 +133,10 @@ class HeldDofs:
         return StaticShapes(columns, accelerations, loads)
 
     def load_rates(
-        self, found: StaticShapes, mass: Any, forces: Array, accelerations: Array
+        self, static: StaticShapes, mass: Any, forces: Array, accelerations: Array
     ) -> tuple[Array, Array]:
         """See `Condition`."""
-        return accelerations, forces + mass @ found.accelerations + self.M @ accelerations
+        return accelerations, forces + mass @ static.accelerations + self.M @ accelerations
 
     def momentum_rate(self, mass: Any, columns: Array) -> Array:
         """See `Condition`."""
@@ -219,10 +219,10 @@ class MeanAxis:
         return StaticShapes(self._without_momentum(shapes.columns), accelerations, loads)
 
     def load_rates(
-        self, found: StaticShapes, mass: Any, forces: Array, accelerations: Array
+        self, static: StaticShapes, mass: Any, forces: Array, accelerations: Array
     ) -> tuple[Array, Array]:
         """See `Condition`. What balances the load changes, too."""
-        loads = forces + mass @ found.accelerations + self.M @ accelerations
+        loads = forces + mass @ static.accelerations + self.M @ accelerations
         return self._balanced(accelerations, loads)
 
     def momentum_rate(self, mass: Any, columns: Array) -> Array:

@@ -180,12 +180,12 @@ def changed(state: Central, solver: "Solver", terms: Sequence[Terms]) -> list[Ch
     Q = W @ state.T + (state.Z @ _flat(S_e)).reshape(W.shape)
     # the stresses are in equilibrium: their work on new strains is that of P
     N = (state.P.T @ _flat(W)).reshape(S_e.shape)
-    found = []
+    changes = []
     for i, one in enumerate(terms):
         S = one.work + 2.0 * (state.T.T @ N[:, i] + N[:, i] @ state.T + S_e[:, i])
         K = -state.K @ (0.5 * (S + S.T)) @ state.K
-        found.append(Change(0.5 * (K + K.T), W[:, i], Q[:, i]))
-    return found
+        changes.append(Change(0.5 * (K + K.T), W[:, i], Q[:, i]))
+    return changes
 
 
 class HelicalSolver:
@@ -279,15 +279,15 @@ def derivatives(
     solver = (
         HelicalSolver(state) if factorised is None else PrismaticSolver(result, state, factorised)
     )
-    at, found = Recovered(space, lay, strain, state), dict[str, dict[str, Array]]()
+    at, by_parameter = Recovered(space, lay, strain, state), dict[str, dict[str, Array]]()
     for first in range(0, len(asked), AT_ONCE):
         some = [_Moved(state, rate) for rate in asked[first : first + AT_ONCE]]
         terms = [one.terms for one in some if one.terms is not None]
         changes = iter(changed(state, solver, terms) if terms else ())
         for one in some:
             change = None if one.terms is None else next(changes)
-            found[one.rate.parameter.name] = one.values(change, at, shown=shown)
-    return found
+            by_parameter[one.rate.parameter.name] = one.values(change, at, shown=shown)
+    return by_parameter
 
 
 class _Moved:
@@ -301,32 +301,32 @@ class _Moved:
 
     def values(self, change: Change | None, at: Recovered, *, shown: bool) -> dict[str, Array]:
         """Derivatives by path, without those that are zero."""
-        state, rate, found = self.state, self.rate, {}
+        state, rate, values_by_path = self.state, self.rate, {}
         if change is not None:
-            found = {"K": change.K}
+            values_by_path = {"K": change.K}
             for name, centre in (
                 ("shear_centre", shear_centre),
                 ("tension_centre", tension_centre),
             ):
-                found[name] = _by_step(centre, state.K, change.K)
-            found |= self._recovery(at, change)
+                values_by_path[name] = _by_step(centre, state.K, change.K)
+            values_by_path |= self._recovery(at, change)
             if shown:
-                found["warping"] = self._warping(change.W)
+                values_by_path["warping"] = self._warping(change.W)
         if rate.density.any():
             density = rate.lay.density + 1j * TINY * rate.density[rate.lay.ply]
             if isinstance(state.at, TwistedStrains):
                 density = density * state.at.g
             M = mass_matrix(state.space, density)
-            found["M"] = M.imag / TINY
-            found["mass_centre"] = _by_step(mass_centre, M.real, found["M"])
+            values_by_path["M"] = M.imag / TINY
+            values_by_path["mass_centre"] = _by_step(mass_centre, M.real, values_by_path["M"])
         if shown and rate.angle.any():
             cells, axes = rate.cells, rate.axes()
             middle, fibre = middles(state.space)[cells], np.zeros((state.space.n_cell, 3))
             fibre[cells] = axes[np.arange(len(cells)), middle % axes.shape[1], :, 0].imag / TINY
-            found["mesh/fibre"] = fibre
-        found["plies/C_M"] = rate.C_M
-        found["plies/angle_deg"] = np.degrees(rate.angle)
-        return {path: values for path, values in found.items() if values.any()}
+            values_by_path["mesh/fibre"] = fibre
+        values_by_path["plies/C_M"] = rate.C_M
+        values_by_path["plies/angle_deg"] = np.degrees(rate.angle)
+        return {path: values for path, values in values_by_path.items() if values.any()}
 
     def _warping(self, W: Array) -> Array:
         """Rate of the warping without rigid motion, at the nodes of the file."""
@@ -339,18 +339,18 @@ class _Moved:
 
     def _recovery(self, at: Recovered, change: Change) -> dict[str, Array]:
         """Rates of strains of the points in ply axes, and of these axes."""
-        rate, real, found = replace(self.rate, lay=at.lay), at.real, {}
+        rate, real, values = replace(self.rate, lay=at.lay), at.real, {}
         strain = at.at.strain_in_section(change.W) + at.at.strain_along_beam(change.Q)
         strain_M = at.to_plies @ strain
         if rate.angle.any():
             cells, axes = rate.cells, rate.axes()
             A_BM = np.zeros((*at.space.weights.shape, 3, 3))
             A_BM[cells] = axes.imag / TINY
-            found["recovery/A_BM"] = A_BM.reshape(-1, 3, 3)[real]
+            values["recovery/A_BM"] = A_BM.reshape(-1, 3, 3)[real]
             turning = np.swapaxes(bond(axes).imag, -1, -2) / TINY
             strain_M[cells] += turning @ at.strain[cells]
-        found["recovery/strain_M"] = strain_M.reshape(-1, 6, 6)[real]
-        return found
+        values["recovery/strain_M"] = strain_M.reshape(-1, 6, 6)[real]
+        return values
 
 
 def _by_step(function: Callable[[Array], Array], x: Array, rate: Array) -> Array:

@@ -157,7 +157,7 @@ def _continued(edges: _Edges) -> tuple[IntArray, IntArray]:
     turn = np.concatenate([turn, -turn])  # seen along the leaving direction
     node = edges.ends.T.ravel()
     order = np.argsort(node, kind="stable")
-    found, best = np.full(2 * e, -1), np.full(2 * e, np.cos(SAME_TANGENT))
+    successor, best = np.full(2 * e, -1), np.full(2 * e, np.cos(SAME_TANGENT))
     apart = 1
     while np.any(same := node[order[apart:]] == node[order[:-apart]]):
         one, other = order[:-apart][same], order[apart:][same]
@@ -166,9 +166,9 @@ def _continued(edges: _Edges) -> tuple[IntArray, IntArray]:
         smooth[(ratio > SAME_RADIUS) | (ratio * SAME_RADIUS < 1.0)] = -1.0
         for here, there in ((one, other), (other, one)):
             better = smooth > best[here]
-            found[here[better]], best[here[better]] = there[better], smooth[better]
+            successor[here[better]], best[here[better]] = there[better], smooth[better]
         apart += 1
-    return found[:e], found[e:]
+    return successor[:e], successor[e:]
 
 
 def _moments(points: Array, first: int) -> Array:
@@ -278,7 +278,7 @@ def cell_exponents(mesh: CellMesh, C: Array, error: Array, regular: float) -> Ar
     C : (c, 1 or q, 6, 6) stiffness of the cells [Pa]
     error : (c,) indicator of the error; cells with little of it are not looked at
     """
-    found = np.full(mesh.n_cell, regular)
+    exponents = np.full(mesh.n_cell, regular)
     looked = _worst(error, HELD)
     stiffness = C.mean(axis=1)
     around = _corners_around(mesh)
@@ -296,8 +296,8 @@ def cell_exponents(mesh: CellMesh, C: Array, error: Array, regular: float) -> Ar
             if len(known) == MOST:
                 break
             known[key] = exponent(ends, materials, closed=closed)
-        found[cells] = np.minimum(found[cells], known[key])
-    return found
+        exponents[cells] = np.minimum(exponents[cells], known[key])
+    return exponents
 
 
 def exponent(ends: Array, C: Sequence[Array] | Array, *, closed: bool) -> float:

@@ -58,8 +58,8 @@ class TwistedStrains:
         for part, (reference, _) in self.space.rules:
             mine = np.flatnonzero(within(part.rows, own))
             if len(mine):
-                found = part.evaluated(_rows, reference, mine, self.k)
-                out[part.rows[mine] - own.start, : len(reference)] = found
+                values = part.evaluated(_rows, reference, mine, self.k)
+                out[part.rows[mine] - own.start, : len(reference)] = values
         return out
 
     @cached_property

@@ -167,8 +167,8 @@ def analyse(
             error, reversal = error + other, float(scaled(other, result.K).max())
             limit = REVERSAL if accuracy is None else accuracy
             warnings += reversal_warnings(lay, problem.mesh.cells, reversal, limit)
-        neglected, found = taper_error(spec, problem.mesh.cells.points, result.K)
-        warnings += found
+        neglected, taper_warnings = taper_error(spec, problem.mesh.cells.points, result.K)
+        warnings += taper_warnings
         if error is not None and neglected is not None:
             error = error + neglected
         if error is not None:

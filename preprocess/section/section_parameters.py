@@ -146,10 +146,10 @@ def by_size(
     """
 
     def made(t: float) -> SectionMesh:
-        found = section_mesh(parameter.moved(t)["mesh"], parameter.where)
+        section = section_mesh(parameter.moved(t)["mesh"], parameter.where)
         for marked in divided:
-            found = replace(found, cells=refined(found.cells, marked))
-        return found
+            section = replace(section, cells=refined(section.cells, marked))
+        return section
 
     for step in (steps * parameter.step for steps in OF_NODES):
         at = [made(place * step) for place in PLACES]
@@ -163,15 +163,15 @@ def by_size(
         raise parameter.refused("the mesh does not follow; also move the sizes of the mesh")
     if np.abs(near[""] - velocity[""]).max() > SMOOTH * np.abs(velocity[""]).max():
         raise parameter.refused("the nodes of the mesh do not follow smoothly")
-    found, h = [], MORPHED * parameter.step
+    section, h = [], MORPHED * parameter.step
     for t in (place * h for place in PLACES):
         cells = replace(mesh.cells, points=mesh.cells.points + t * velocity[""])
         curves = {name: c + t * velocity.get(name, 0.0) for name, c in mesh.curves.items()}
         moved = replace(mesh, cells=cells, curves=curves)
-        found.append(all_values(analysed(parameter.moved(t), moved)))
-    if any(not np.array_equal(one["recovery/ply"], found[0]["recovery/ply"]) for one in found):
+        section.append(all_values(analysed(parameter.moved(t), moved)))
+    if any(not np.array_equal(one["recovery/ply"], section[0]["recovery/ply"]) for one in section):
         raise parameter.refused("points change their ply: let mesh lines follow the plies")
-    rates = differenced(found, h)
+    rates = differenced(section, h)
     rates.pop("end_compliance", None)  # an indicator
     return rates
 

@@ -106,15 +106,15 @@ class SectionProblem:
         result = known or self._solve(C, k, doubtful)
         if self._growth <= WELL or not measured:
             return result
-        rng, found = np.random.default_rng(0), np.zeros((6, 6))
+        rng, change = np.random.default_rng(0), np.zeros((6, 6))
         for _ in range(TRIALS):
-            found = np.maximum(found, np.abs(self._disturbed(rng, C, k, doubtful).K - result.K))
-            if scaled(found, result.K).max() < FAINT:
+            change = np.maximum(change, np.abs(self._disturbed(rng, C, k, doubtful).K - result.K))
+            if scaled(change, result.K).max() < FAINT:
                 break
         size = np.sqrt(np.diag(result.K))
         return replace(
             result,
-            round_off=found + LAST_DIGITS * np.outer(size, size),
+            round_off=change + LAST_DIGITS * np.outer(size, size),
             doubtful=self._growth > LARGEST_GROWTH,
         )
 
@@ -200,10 +200,10 @@ class SectionProblem:
         limit = np.inf if doubtful else LARGEST_GROWTH
         if k is not None:
             known = self._by_waves_for is not None and np.array_equal(k, self._by_waves_for)
-            found = central_solutions(space, k, C, limit, is_enough, by_waves=known)
-            self._by_waves_for = k if found.by_waves else None
-            self._growth = found.growth
-            return found
+            solutions = central_solutions(space, k, C, limit, is_enough, by_waves=known)
+            self._by_waves_for = k if solutions.by_waves else None
+            self._growth = solutions.growth
+            return solutions
         solver = self.solver_of(space)
         solver.largest_growth, solver.shift = limit, shift
         result = stiffness(space, solver, space.E(C), C, is_enough)

@@ -98,7 +98,7 @@ def _of_kind(space: SectionSpace, kind: int, rows: Any, shapes: Array, C: Array,
     nodes = fenicsx.reference_nodes(cell, space.degree)
     n, c = len(nodes), len(rows)
     dofs = space.dofs[rows, :n]
-    found = np.zeros((3, c, 3 * n, 3 * n))
+    matrices = np.zeros((3, c, 3 * n, 3 * n))
     points, weights = fenicsx.quadrature(cell, space.quadrature_degree)
     for q, (place, weight) in enumerate(zip(points, weights, strict=True)):
         map_ = functions(cell, fenicsx.NODES[cell] / 2.0, 2, place)
@@ -116,12 +116,12 @@ def _of_kind(space: SectionSpace, kind: int, rows: Any, shapes: Array, C: Array,
         double = (F + F.swapaxes(-1, -2)).reshape(2, c, 3 * n, 3, 3)
         G, L = np.stack([double[..., i, j] / (2 if i == j else 1) for i, j in ROWS], axis=2)
         dA = (g[:, 0] * weight * np.abs(np.linalg.det(jacobian)))[:, None, None]
-        for matrix, left, right in zip(found, (G, G, L), (G, L, L), strict=True):
+        for matrix, left, right in zip(matrices, (G, G, L), (G, L, L), strict=True):
             matrix += dA * left.swapaxes(1, 2) @ (C[:, min(q, C.shape[1] - 1)] @ right)
     unknowns = (3 * dofs[:, :, None] + np.arange(3)).reshape(c, -1)
     rows, columns = np.repeat(unknowns, 3 * n, axis=1).ravel(), np.tile(unknowns, 3 * n).ravel()
     size = (space.n_dof, space.n_dof)
-    return [sp.csr_matrix((matrix.ravel(), (rows, columns)), shape=size) for matrix in found]
+    return [sp.csr_matrix((matrix.ravel(), (rows, columns)), shape=size) for matrix in matrices]
 
 
 def central_stiffness(E: Any, H: Any, L: Any, places: Array) -> Array:
@@ -148,9 +148,9 @@ def central_stiffness(E: Any, H: Any, L: Any, places: Array) -> Array:
     factors = fenicsx.cholesky(sp.csr_matrix(E[free][:, free]))
 
     def answer(loads: Array) -> Array:
-        found = np.zeros_like(loads)
-        found[free] = factors.solve(loads[free])
-        return found
+        solution = np.zeros_like(loads)
+        solution[free] = factors.solve(loads[free])
+        return solution
 
     W_S = answer(HZ)
     schur = Z.T @ LZ - HZ.T @ W_S

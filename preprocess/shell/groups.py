@@ -55,21 +55,21 @@ def cell_directions(
 def vector(value: Any, where: str) -> Array:
     """Three numbers. Raises ShellError."""
     try:
-        found = np.array(value, dtype=float)
+        values = np.array(value, dtype=float)
     except (TypeError, ValueError):
-        found = np.empty(0)
-    if found.shape != (3,) or not np.all(np.isfinite(found)):
+        values = np.empty(0)
+    if values.shape != (3,) or not np.all(np.isfinite(values)):
         raise ShellError(f"{where} = {value!r}: expected three numbers [x, y, z]")
-    return found
+    return values
 
 
 def unit_vector(value: Any, where: str) -> Array:
     """Three numbers, scaled to length 1. Raises ShellError."""
-    found = vector(value, where)
-    length = float(np.linalg.norm(found))
+    values = vector(value, where)
+    length = float(np.linalg.norm(values))
     if not length > 0.0:
         raise ShellError(f"{where} = {value!r}: expected a direction, a vector longer than 0")
-    return np.asarray(found / length)
+    return np.asarray(values / length)
 
 
 def _default(mesh: ShellMesh, cells: IntArray) -> Array:
@@ -152,23 +152,24 @@ def group(mesh: ShellMesh, name: str, where: str) -> Group:
         "curve": mesh.curves,
         "surface": mesh.regions,
     }
-    found = [kind for kind, names in kinds.items() if name in names]
-    if not found:
+    kinds_of_name = [kind for kind, names in kinds.items() if name in names]
+    if not kinds_of_name:
         known = [str(known) for names in kinds.values() for known in names]
         raise ShellError(
             f"{where} = {name!r}: no physical group of that name; the mesh has "
             + (few(known) or "none")
             + did_you_mean(name, known)
         )
-    if len(found) > 1:
+    if len(kinds_of_name) > 1:
         raise ShellError(
-            f"{where} = {name!r}: a {' and a '.join(found)} have this name; give them different "
+            f"{where} = {name!r}: a {' and a '.join(kinds_of_name)} have this name; give them "
+            "different "
             "names in gmsh"
         )
-    if found[0] == "point":
+    if kinds_of_name[0] == "point":
         nodes = mesh.marks[name]
         return _gathered(mesh, name, "point", nodes, np.ones(len(nodes)))
-    if found[0] == "curve":
+    if kinds_of_name[0] == "curve":
         ends = mesh.curves[name]
         length = np.linalg.norm(np.diff(mesh.points_G[ends], axis=1)[:, 0], axis=1)
         return _gathered(mesh, name, "curve", ends, np.repeat(length / 2.0, 2))

@@ -70,7 +70,7 @@ def paired(plain: PlainMesh) -> tuple[PlainMesh, Unpaired]:
     merged = partner[kept] != NONE
     cells[merged] = quads[partner[kept[merged]]]
     left = ~(taken[a] | taken[b])
-    found = [
+    pairs = [
         (len(np.unique([a[rows], b[rows]])), reason)
         for rows, reason in (
             (left & joined & flat, "the angles of their pairs are no better than their own"),
@@ -80,7 +80,7 @@ def paired(plain: PlainMesh) -> tuple[PlainMesh, Unpaired]:
     ]
     total = len(np.unique([a[left], b[left]]))
     mesh = replace(plain, cells=cells, cell="mixed", region=plain.region[kept])
-    return mesh, Unpaired(total, int(three.sum()), max(found)[1])
+    return mesh, Unpaired(total, int(three.sum()), max(pairs)[1])
 
 
 def _turns(points: Array, cells: IntArray) -> tuple[Array, Array]:

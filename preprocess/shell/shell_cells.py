@@ -73,8 +73,8 @@ class Edges:
         line[self.find(lines)] = np.arange(len(lines))
         line[-1] = -1
         row = line[self.number]
-        found = np.flatnonzero(row >= 0)
-        return row[found], found
+        sides = np.flatnonzero(row >= 0)
+        return row[sides], sides
 
     def sums(self, values: Array) -> Array:
         """Sums over the sides of each edge of values (s, ...), (e, ...)."""
@@ -117,11 +117,11 @@ def refuse(wrong: BoolArray, fault: str, cells: IntArray) -> None:
     """Raise `CellError` with the first wrong cells, if any."""
     if not wrong.any():
         return
-    found = np.flatnonzero(wrong)
-    listed = ", ".join(f"{i} (nodes {', '.join(map(str, cells[i]))})" for i in found[:NAMED])
-    more = f" and {len(found) - NAMED} more" if len(found) > NAMED else ""
+    faulty = np.flatnonzero(wrong)
+    listed = ", ".join(f"{i} (nodes {', '.join(map(str, cells[i]))})" for i in faulty[:NAMED])
+    more = f" and {len(faulty) - NAMED} more" if len(faulty) > NAMED else ""
     kind = "triangles" if cells.shape[1] == 3 else "quadrilaterals"
-    raise CellError(f"each of these {kind} {fault}: {listed}{more}", kind, fault, found)
+    raise CellError(f"each of these {kind} {fault}: {listed}{more}", kind, fault, faulty)
 
 
 def width_ratios(points_G: Array, cells: IntArray) -> Array:

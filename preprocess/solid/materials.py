@@ -128,8 +128,8 @@ def cell_materials(
         key = f"{where}regions.{name if name in regions else ALL}"
         table = materials[region["material"]]
         of_material = f"{where}materials.{region['material']}"
-        found = material_from_dict(table, of_material)
-        spread = float(np.linalg.cond(found.stiffness_M))
+        material = material_from_dict(table, of_material)
+        spread = float(np.linalg.cond(material.stiffness_M))
         if not spread < SPREAD:
             raise SolidError(
                 f"{of_material}: its stiffest strain is {spread:.1e} times as stiff as its "
@@ -137,8 +137,8 @@ def cell_materials(
                 f"{SPREAD:g}, as with nu up to 0.499999; frequencies are not accurate above it"
             )
         own = np.flatnonzero(plain.region == number)
-        rho[own] = found.rho
-        C[own] = found.stiffness_M
+        rho[own] = material.rho
+        C[own] = material.stiffness_M
         if table["kind"] == "orthotropic":
             axes[number] = _axes(mesh, region, key)
             is_curved |= "axis" not in region

@@ -58,10 +58,10 @@ def _bore(mesh: SolidMesh, bore: Mapping[str, Any], where: str) -> IntArray:
         rows = rows[np.abs((centres[rows] - point) @ axis) <= bore["length"] / 2.0]
     if len(rows):
         return rows
-    found = _radii(mesh, from_axis)
+    radii = _radii(mesh, from_axis)
     known = (
-        f"radii about this axis: {few(f'{r:.6g} m' for r in found)}"
-        if found
+        f"radii about this axis: {few(f'{r:.6g} m' for r in radii)}"
+        if radii
         else ("no cylinder of the solid has this axis")
     )
     within = f" within {bore['length']:g} m" if "length" in bore else ""

@@ -93,7 +93,7 @@ class HeldSolid:
 
 def free_hertz(body: FreeBody, count: int) -> Array:
     """Lowest elastic frequencies of the free solid, without rigid interfaces [Hz]."""
-    found = reduce_body(
+    package = reduce_body(
         body,
         {
             "body": "free",
@@ -104,7 +104,7 @@ def free_hertz(body: FreeBody, count: int) -> Array:
         },
         solver=Mumps,
     )
-    return np.asarray(found.frequencies / (2.0 * np.pi))
+    return np.asarray(package.frequencies / (2.0 * np.pi))
 
 
 def _hertz(values: Array) -> Array:
@@ -148,7 +148,7 @@ def findings(
     table : `SolidAnalysis` of the specification
     """
     inv = package.invariants
-    found: dict[str, Any] = {
+    table_of_results: dict[str, Any] = {
         "mass": inv.mass,
         "centre": (inv.S0_B / inv.mass).tolist(),
         "inertia": centre_inertia(package).tolist(),
@@ -162,35 +162,35 @@ def findings(
     count, cases = package.n_mode, {}
     if table["supports"]:
         held = HeldSolid(model.body, model.links, table["supports"], model.solver)
-        found["held_hz"] = held.hertz(count).tolist()
+        table_of_results["held_hz"] = held.hertz(count).tolist()
         solved = {
             name: held.case(loads, model.unit_pressure, f"loads.{name}")
             for name, loads in table["loads"].items()
         }
         cases = {name: case.u for name, case in solved.items()}
-        found["cases"] = {name: _case(model, case) for name, case in solved.items()}
-    found |= _errors(model, table, found, count)
-    return found, cases
+        table_of_results["cases"] = {name: _case(model, case) for name, case in solved.items()}
+    table_of_results |= _errors(model, table, table_of_results, count)
+    return table_of_results, cases
 
 
 def _errors(
-    model: SolidModel, table: Mapping[str, Any], found: Mapping[str, Any], count: int
+    model: SolidModel, table: Mapping[str, Any], results: Mapping[str, Any], count: int
 ) -> dict[str, Any]:
     """Relative errors of the frequencies by displacements of degree 3, or why there are none."""
     if not table["error"]:
         return {"no_error": "frequencies.error = false"}
-    if found["unknowns"] > MOST:
-        return {"no_error": f"{found['unknowns']} unknowns, more than {MOST}"}
+    if results["unknowns"] > MOST:
+        return {"no_error": f"{results['unknowns']} unknowns, more than {MOST}"}
     richer = model.richer()
-    errors = {"free_error": _relative(found["free_hz"], free_hertz(richer, count))}
-    if "held_hz" in found:
+    errors = {"free_error": _relative(results["free_hz"], free_hertz(richer, count))}
+    if "held_hz" in results:
         rigid = {
             name: {**link, "weights": "equal"}  # they place reference points, which change nothing
             for name, link in model.links.items()
             if link["link"] == "rigid"
         }
         held = HeldSolid(richer, rigid, table["supports"])
-        errors["held_error"] = _relative(found["held_hz"], held.hertz(count))
+        errors["held_error"] = _relative(results["held_hz"], held.hertz(count))
     return errors
 
 

@@ -59,11 +59,11 @@ VTK = {
 def reference_nodes(cell: str) -> Array:
     """Nodes of the reference cell, (k, 3)."""
     corners = _CORNERS[cell].astype(float)
-    found = [corners, *(corners[list(e)].mean(axis=0)[None] for e in _EDGES[cell])]
+    points = [corners, *(corners[list(e)].mean(axis=0)[None] for e in _EDGES[cell])]
     if cell == "hexahedron":
-        found += [corners[list(f)].mean(axis=0)[None] for f in _FACES[cell]]
-        found.append(corners.mean(axis=0)[None])
-    return np.concatenate(found)
+        points += [corners[list(f)].mean(axis=0)[None] for f in _FACES[cell]]
+        points.append(corners.mean(axis=0)[None])
+    return np.concatenate(points)
 
 
 def linear_weights(cell: str) -> Array:
@@ -207,10 +207,10 @@ def _made(
     if Path(file).suffix.lower() in STEP:
         check_step(Path(file))
     for smallest in SMALLEST:
-        found = _apart(file, size, unit, dict(parameters), smallest)
-        plain = found.plain
+        mesh = _apart(file, size, unit, dict(parameters), smallest)
+        plain = mesh.plain
         wrong = _turned(plain)
-        if not len(wrong) or not found.exact:
+        if not len(wrong) or not mesh.exact:
             break
         straight = _straightened(plain, wrong)
         if not len(_turned(straight)):  # a few cells of a torus or a sphere
@@ -231,11 +231,11 @@ def _made(
     width = nodes.shape[1] // 2
     known = {tuple(sorted(row)): i for i, row in enumerate(nodes[:, :width].tolist())}
     groups = {}
-    for name, corners in found.groups.items():
+    for name, corners in mesh.groups.items():
         found_rows = (known.get(tuple(sorted(row))) for row in corners.tolist())
         if rows := [row for row in found_rows if row is not None]:  # no face between two solids
             groups[name] = np.array(rows)
-    return SolidMesh(plain, nodes, owner, local, groups, found.curves, found.exact)
+    return SolidMesh(plain, nodes, owner, local, groups, mesh.curves, mesh.exact)
 
 
 def _turned(plain: PlainMesh) -> IntArray:

@@ -69,13 +69,13 @@ def _check(text: str) -> None:
 def _statements(text: str) -> Iterator[tuple[int, str]]:
     """Line and text of the entities, without comments, their texts as ''."""
 
-    def blank(found: re.Match[str]) -> str:
-        if found[0].startswith("'") and _SWALLOWED.search(found[0]):
-            line = text.count("\n", 0, found.start()) + 1
+    def blank(token: re.Match[str]) -> str:
+        if token[0].startswith("'") and _SWALLOWED.search(token[0]):
+            line = text.count("\n", 0, token.start()) + 1
             raise MeshError(
                 f"line {line}: the text that begins here has no end; expected another '"
             )
-        return ("''" if found[0].startswith("'") else " ") + "\n" * found[0].count("\n")
+        return ("''" if token[0].startswith("'") else " ") + "\n" * token[0].count("\n")
 
     line, inside = 1, False
     for statement in _TEXT.sub(blank, text).split(";"):

@@ -92,9 +92,9 @@ def second_order_forces(model: SolidModel, U: Array) -> Array:
     v, one, other = ufl.TestFunction(space.space), space.field(), space.field()
     product = ufl.sym(ufl.grad(one).T * ufl.grad(other))
     vector = space.vectors(model.elasticity(space).work(strain(v), product))
-    found = np.empty((len(U), len(pairs(U.shape[1])[0])))
+    forces = np.empty((len(U), len(pairs(U.shape[1])[0])))
     for k, (i, j) in enumerate(zip(*pairs(U.shape[1]), strict=True)):
         space.fill(one, U[:, i].reshape(-1, 3))
         space.fill(other, U[:, j].reshape(-1, 3))
-        found[:, k] = vector()
-    return found
+        forces[:, k] = vector()
+    return forces

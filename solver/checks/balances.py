@@ -235,7 +235,7 @@ def package_findings(run: FinishedRun) -> Iterator[Finding]:
 
 def body_strengths(run: FinishedRun) -> dict[str, BodyStrength]:
     """Return the strength of bodies with strengths, at the times of `look.strength`."""
-    found = {}
+    strengths = {}
     for i, name in enumerate(run.built.body_names):
         package = run.packages.get(name)
         if package is None:
@@ -247,8 +247,8 @@ def body_strengths(run: FinishedRun) -> dict[str, BodyStrength]:
             search.take(t, q)
         strength = search.found()
         if strength is not None:
-            found[name] = strength
-    return found
+            strengths[name] = strength
+    return strengths
 
 
 def strength_findings(strengths: dict[str, BodyStrength]) -> Iterator[Finding]:

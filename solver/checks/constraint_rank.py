@@ -145,13 +145,13 @@ class ConstraintRank:
 
         The pivots of a QR decomposition, without the 0.2 s that SciPy's takes to import.
         """
-        C, found = self.scaled_jacobian(t, y), []
+        C, chosen = self.scaled_jacobian(t, y), []
         for _ in range(self.count):
-            found.append(int(np.argmax(np.einsum("ij,ij->i", C, C))))
-            along = C[found[-1]] / np.linalg.norm(C[found[-1]])
+            chosen.append(int(np.argmax(np.einsum("ij,ij->i", C, C))))
+            along = C[chosen[-1]] / np.linalg.norm(C[chosen[-1]])
             C -= np.outer(C @ along, along)
-            C[found] = 0.0
-        return found
+            C[chosen] = 0.0
+        return chosen
 
     def decompose(self, t: float, y: Array) -> Rank:
         """Return the rank of a state y (n,) at t [s]."""

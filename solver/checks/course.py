@@ -189,31 +189,31 @@ def refusal_findings(run: FinishedRun) -> Iterator[Finding]:
     None where nothing would help: refusals where impacts or ramps begin are how steps are found,
     and a law that chatters is named.
     """
-    found = run.solution.refusals
+    refusals = run.solution.refusals
     if any(finding.code == CHATTERS.name for finding in run.noticed):
         return
-    if found is None or found.attempts < WORTH_A_WORD or found.share <= REFUSED.limit:
+    if refusals is None or refusals.attempts < WORTH_A_WORD or refusals.share <= REFUSED.limit:
         return
     reasons = []
-    if found.rough:
-        reasons.append(f"{found.rough} by the estimate of the error")
-    if found.newton:
-        reasons.append(f"{found.newton} by a Newton iteration that did not converge")
+    if refusals.rough:
+        reasons.append(f"{refusals.rough} by the estimate of the error")
+    if refusals.newton:
+        reasons.append(f"{refusals.newton} by a Newton iteration that did not converge")
     why = f" ({', '.join(reasons)})" if reasons else ""
-    body, motion = named_motion(run.built, found.component)
-    cause = f"; most often because of {motion}" if found.component >= 0 else ""
+    body, motion = named_motion(run.built, refusals.component)
+    cause = f"; most often because of {motion}" if refusals.component >= 0 else ""
     helps = []
     # Of a run that has small steps in places, as after impacts, a shorter longest step is no help.
     # An iteration that does not converge takes its time, and fails in the longest steps.
-    longest = LONGEST * found.step
-    if found.newton > found.rough or run.sizes.steps_with(longest) < found.attempts:
+    longest = LONGEST * refusals.step
+    if refusals.newton > refusals.rough or run.sizes.steps_with(longest) < refusals.attempts:
         helps.append(f"max_step = {longest:.2g}, {LONGEST:g} times the average step")
-        if body and found.rough >= found.newton:
+        if body and refusals.rough >= refusals.newton:
             helps.append(
                 "if this motion is a vibration of no interest, cutoff_frequency or damping of "
                 "the body"
             )
-    if found.newton > found.rough:
+    if refusals.newton > refusals.rough:
         advice = {
             name: FORCES[force.kind].steep
             for name, force in run.mechanism.forces.items()
@@ -225,7 +225,7 @@ def refusal_findings(run: FinishedRun) -> Iterator[Finding]:
     if not helps:
         return
     text = (
-        f"{found.share:.0%} of {found.attempts} attempts at a step were refused{why}{cause}. "
+        f"{refusals.share:.0%} of {refusals.attempts} attempts at a step were refused{why}{cause}. "
         f"What helps: {'; or '.join(helps)}"
     )
-    yield REFUSED.finding(text, body=body, value=found.share)
+    yield REFUSED.finding(text, body=body, value=refusals.share)

@@ -183,17 +183,17 @@ class FinishedRun:
         then for as many around the highest of them, until there are none between.
         """
         t, y, seen = self.solution.t, self.solution.y, self.some(most)
-        found = values(t[seen], y[seen])
+        sampled = values(t[seen], y[seen])
         while True:
-            top = int(np.argmax(found))
+            top = int(np.argmax(sampled))
             around = np.arange(seen[max(top - 1, 0)], seen[min(top + 1, seen.size - 1)])
             more = np.setdiff1d(around, seen, assume_unique=True)
             if not more.size:
-                return t[seen], found
+                return t[seen], sampled
             more = more[self._spread(more.size, most)]
-            seen, found = np.append(seen, more), np.append(found, values(t[more], y[more]))
+            seen, sampled = np.append(seen, more), np.append(sampled, values(t[more], y[more]))
             order = np.argsort(seen)
-            seen, found = seen[order], found[order]
+            seen, sampled = seen[order], sampled[order]
 
     def blocks(self, most: int | None = None) -> Iterator[tuple[Array, Array]]:
         """Yield times (k,) and states (k, n), of at most so many output times, block by block."""
@@ -216,8 +216,8 @@ class FinishedRun:
     @cached_property
     def momentum_balance(self) -> float:
         """Relative error of loads and reactions against the change of momentum."""
-        found = momentum_balance(self.model, *self.at(self.look.momentum))
-        return max(found.linear, found.angular)
+        balance = momentum_balance(self.model, *self.at(self.look.momentum))
+        return max(balance.linear, balance.angular)
 
     @cached_property
     def degrees_of_freedom(self) -> int:

@@ -116,8 +116,8 @@ Beyond = tuple[str, float, str]  # key of a table, its overshoot, what does not 
 
 def table_findings(run: FinishedRun) -> Iterator[Finding]:
     """Yield the tables whose cubic splines leave the range of their values."""
-    found = chain(_of_time(run.mechanism), _of_curves(run.mechanism))
-    for key, share, others in found:
+    candidates = chain(_of_time(run.mechanism), _of_curves(run.mechanism))
+    for key, share, others in candidates:
         if share > TABLE_OVERSHOOTS.limit:
             text = (
                 f"{key}: the cubic spline goes beyond the values of the table by {share:.0%} of "

@@ -47,7 +47,7 @@ class Judgement:
 
 def judge(run: FinishedRun) -> Judgement:
     """Apply every check to a finished run."""
-    found = [finding for check in CHECKS for finding in check(run)]
+    findings = [finding for check in CHECKS for finding in check(run)]
     strengths = balances.body_strengths(run)
-    found += balances.strength_findings(strengths)
-    return Judgement(tuple(found), run.numbers(), strengths)
+    findings += balances.strength_findings(strengths)
+    return Judgement(tuple(findings), run.numbers(), strengths)

@@ -62,7 +62,7 @@ def mode_findings(run: FinishedRun) -> Iterator[Finding]:
     for i in np.flatnonzero(run.model.n_mode[: len(run.built.body_names)] > 1).tolist():
         name = run.built.body_names[i]
         package = run.packages[name]
-        peak, found = 0.0, {family.name: (family, 0.0, 0.0, 0.0) for family in _families(package)}
+        peak, ranges = 0.0, {family.name: (family, 0.0, 0.0, 0.0) for family in _families(package)}
         stiffness, mass = np.diag(package.stiffness), np.diag(package.mass)
         m, a = int(run.model.n_mode[i]), int(run.model.pos_start[i]) + 7
         b = run.model.n_pos + int(run.model.vel_start[i]) + 6
@@ -70,13 +70,13 @@ def mode_findings(run: FinishedRun) -> Iterator[Finding]:
             q, rate = y[:, a : a + m], y[:, b : b + m]
             strain, moving = 0.5 * stiffness * q**2, 0.5 * mass * rate**2
             peak = max(peak, float(strain.sum(axis=1).max()))
-            for key, (family, most, slow, fast) in found.items():
+            for key, (family, most, slow, fast) in ranges.items():
                 energy = strain[:, family.rows].sum(axis=1)
                 at, last = int(np.argmax(energy)), family.rows[-1]
                 if energy[at] > most:
                     most, slow = float(energy[at]), float(strain[at, last])
-                found[key] = family, most, slow, max(fast, float(moving[:, last].max()))
-        for family, _, slow, fast in found.values():
+                ranges[key] = family, most, slow, max(fast, float(moving[:, last].max()))
+        for family, _, slow, fast in ranges.values():
             bare = _without_static_shapes(run, name, package, family)
             part = SECOND.get(family.name, 0.0) if len(family.rows) == 1 else 1.0
             strained = slow if bare and package.compliance is None else 0.0

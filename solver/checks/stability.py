@@ -52,22 +52,22 @@ def _inertias(model: Model) -> dict[int, _Inertia]:
     Rigid bodies fixed at their interfaces move with them, heavy point masses are such bodies
     (mechanism/build.py); the tables of the model have the others.
     """
-    found = {}
+    inertias = {}
     for i in np.flatnonzero(model.n_mode).tolist():
         m, two = int(model.n_mode[i]), int(model.square_start[i])
         M, K = (modal_matrix(model, of, i).copy() for of in (model.M_qq, model.K_qq))
         T11 = model.T11[9 * two : 9 * (two + m * m)].reshape(3, 3, m, m)
-        found[i] = _Inertia(M, K, 0.5 * (T11 + T11.transpose(1, 0, 3, 2)))
+        inertias[i] = _Inertia(M, K, 0.5 * (T11 + T11.transpose(1, 0, 3, 2)))
     for joint in np.flatnonzero(np.isin(model.joint_kind, RIGID)):
         pair = model.joint_marker[joint].tolist()
         for marker, other in (pair, pair[::-1]):
             i, fixed = int(model.marker_body[marker]), int(model.marker_body[other])
-            if fixed != GROUND and model.n_mode[fixed] == 0 and i in found:
+            if fixed != GROUND and model.n_mode[fixed] == 0 and i in inertias:
                 s, m = int(model.marker_start[marker]), int(model.n_mode[i])
                 phi, mass = model.marker_phi[s : s + 3 * m].reshape(3, m), float(model.mass[fixed])
-                found[i].M[:] += mass * phi.T @ phi
-                found[i].T11[:] += mass * np.einsum("aj,bi->abij", phi, phi)
-    return found
+                inertias[i].M[:] += mass * phi.T @ phi
+                inertias[i].T11[:] += mass * np.einsum("aj,bi->abij", phi, phi)
+    return inertias
 
 
 @dataclass
@@ -116,8 +116,8 @@ class SpinMonitor:
 
     def matrices(self, body: int, y: Array) -> tuple[Array, Array]:
         """Modal stiffness and what spinning takes from it in state y, (m, m) each [1/s2]."""
-        found = self._tables[body]
-        return found.K, found.lost(self.spin(body, y))
+        tables = self._tables[body]
+        return tables.K, tables.lost(self.spin(body, y))
 
     def margin(self, body: int, y: Array, t: float = 0.0) -> float:
         """Smallest eigenvalue of the softened modal stiffness [1/s2].
@@ -131,8 +131,8 @@ class SpinMonitor:
         t : time [s]
         """
         K, lost = self.matrices(body, y)
-        found = float(np.linalg.eigvalsh(K - lost)[0])
-        return found if found > 0.0 or not self._holds(body, t, y) else -found
+        least = float(np.linalg.eigvalsh(K - lost)[0])
+        return least if least > 0.0 or not self._holds(body, t, y) else -least
 
     def _holds(self, body: int, t: float, y: Array) -> bool:
         """Return whether a body that has lost its stiffness by a state's spin keeps its shape."""
@@ -215,8 +215,8 @@ class SpinMonitor:
 
     def at_start(self, t: float, y: Array) -> Finding | None:
         """Check the start; return what is found if the run should not begin."""
-        found = [self._found(i, t, y) for i in self.check(y)]
-        return found[0] if found and self.stop else None
+        findings = [self._found(i, t, y) for i in self.check(y)]
+        return findings[0] if findings and self.stop else None
 
     def __call__(self, steps: Steps) -> StopRequest | None:
         """Check the steps just taken; called by `integrate`."""
@@ -238,9 +238,9 @@ class SpinMonitor:
                 return self.margin(i, dense(t), t)
 
             t = _crossing(margin, begin, end, 1e-9 * max(1.0, abs(end)))
-            found = self._found(i, t, dense(t))
+            doubt = self._found(i, t, dense(t))
             if self.stop and (request is None or t < request.t_stop):
-                request = StopRequest(t, found.text, found.code)
+                request = StopRequest(t, doubt.text, doubt.code)
         return request
 
     def _first_invalid(self, body: int, steps: Steps) -> int | None:
@@ -297,14 +297,14 @@ class Loading:
         `along`: rates and multipliers, if they are known.
         """
         key = t.tobytes()
-        found = self._kept.pop(key, None)
-        if found is None:
+        loads = self._kept.pop(key, None)
+        if loads is None:
             rates, multipliers = along or series.along_solution(self.model, t, y)
-            found = rates, series.marker_loads(self.model, t, y, multipliers)
-        self._kept[key] = found  # the last used is last
+            loads = rates, series.marker_loads(self.model, t, y, multipliers)
+        self._kept[key] = loads  # the last used is last
         if len(self._kept) > STATES:
             self._kept.pop(next(iter(self._kept)))
-        return found
+        return loads
 
 
 def geometric_stiffness(
@@ -419,10 +419,10 @@ class BucklingMonitor:
             t = self._lost(i, steps, looks)
             if t is None:
                 continue
-            found = self._found(i, t)
+            doubt = self._found(i, t)
             ends = self.stop and stiffened(self.model, i)
             if ends and (request is None or t < request.t_stop):
-                request = StopRequest(t, found.text, found.code)
+                request = StopRequest(t, doubt.text, doubt.code)
         return request
 
     def margin(self, i: int, t: Array, y: Array) -> Array:
@@ -439,16 +439,16 @@ class BucklingMonitor:
         elastic = np.array([np.subtract(*self.spin.matrices(i, state)) for state in y])
         loads = geometric_stiffness(self.model, self.tables, i, t, y, self._loading(t, y))
         whole = elastic + loads
-        found = np.full(t.size, np.nan)
+        lowest = np.full(t.size, np.nan)
         finite = np.isfinite(whole).all(axis=(1, 2))
-        found[finite] = np.linalg.eigvalsh(whole[finite])[:, 0]
-        for k in np.flatnonzero(found <= 0.0):
+        lowest[finite] = np.linalg.eigvalsh(whole[finite])[:, 0]
+        for k in np.flatnonzero(lowest <= 0.0):
             # A critical speed is no load: it is passed if the loads alone leave stiffness.
             w = self.spin.spin(i, y[k])
             loaded = np.linalg.eigvalsh(self.spin.matrices(i, y[k])[0] + loads[k])[0]
             if loaded > 0.0 and self.spin.holds(i, w, whole[k], loads[k]):
-                found[k] = -found[k]
-        return found
+                lowest[k] = -lowest[k]
+        return lowest
 
     def _stiffness_of_loads(self, i: int, t: Array, y: Array) -> Array | None:
         if i not in self.bodies:

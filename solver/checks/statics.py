@@ -60,11 +60,11 @@ def missing_findings(run: FinishedRun) -> Iterator[Finding]:
     rows = np.append(0, (begin[:, None] + np.arange(width)).ravel())
     recording = Recording(run.model, run.solution.t[rows], run.solution.y[rows])
     for i, package in packages.items():
-        found = _missing(run, i, package, recording, windows)
-        if found.share > FEW_MODES.limit:
+        missing = _missing(run, i, package, recording, windows)
+        if missing.share > FEW_MODES.limit:
             name = run.built.body_names[i]
             yield FEW_MODES.finding(
-                found.text(name, package), body=name, t=found.t, value=found.share
+                missing.text(name, package), body=name, t=missing.t, value=missing.share
             )
 
 
@@ -184,16 +184,16 @@ def _missing(
     slow = [(*_slow(p[1:], windows), _means(recording.t[1:], windows))]
     if run.mechanism.solver.start != "positions":  # whose loads may be released then
         slow.append((p[:1, :, None] * p[:1, None], p[:1], recording.t[:1]))
-    found = _Missing(0.0, 0.0, p[0], G, C)
+    worst = _Missing(0.0, 0.0, p[0], G, C)
     for squares, means, t in slow:
         mean = squares.mean(axis=0)
         lost, whole = (0.5 * max(float(np.sum(A * mean)), 0.0) for A in (G, C))
         size = np.array([np.trace(mean[np.ix_(rows, rows)]) for rows in kinds])
         share = lost / max(whole, vibration) if lost > SLIGHT * 0.5 * float(softest @ size) else 0.0
-        if share > found.share:
+        if share > worst.share:
             k = int(np.argmax([float(a @ G @ a) for a in means]))
-            found = _Missing(share, float(t[k]), means[k], G, C)
-    return found
+            worst = _Missing(share, float(t[k]), means[k], G, C)
+    return worst
 
 
 def _loads(run: FinishedRun, body: int, package: ModalPackage, recording: Recording) -> Array:

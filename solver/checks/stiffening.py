@@ -124,8 +124,8 @@ def _of_mass(run: FinishedRun, i: int, t: Array, lowest: Array) -> Iterator[Find
         "mean-axis frame, or several bodies with fixed joints between them (a beam: more "
         "segments), helps"
     )
-    found = INDEFINITE.finding(text, body=name, t=float(t[k]), value=float(lowest[k]))
-    yield found if lost[k] else replace(found, level="warning")
+    finding = INDEFINITE.finding(text, body=name, t=float(t[k]), value=float(lowest[k]))
+    yield finding if lost[k] else replace(finding, level="warning")
 
 
 def _free_mass(model: Model, t: float, y: Array) -> float:
@@ -147,10 +147,10 @@ def _of_linear(run: FinishedRun, tables: Model, i: int, loading: Loading) -> Ite
 
     def share(t: Array, y: Array) -> Array:
         Kg = scale.T @ geometric_stiffness(model, tables, i, t, y, loading(t, y)) @ scale
-        found = np.zeros(t.size)
+        sizes = np.zeros(t.size)
         known = np.isfinite(Kg).all(axis=(1, 2))
-        found[known] = np.abs(np.linalg.eigvalsh(Kg[known])).max(axis=1)
-        return found
+        sizes[known] = np.abs(np.linalg.eigvalsh(Kg[known])).max(axis=1)
+        return sizes
 
     t, shares = run.scan(share, run.look.stiffening)
     largest, when = float(shares.max()), float(t[np.argmax(shares)])

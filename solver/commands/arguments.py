@@ -46,10 +46,10 @@ class CommandParser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Print usage and message; exit with code 2."""
-        _, found, word = message.partition("invalid choice: ")
+        _, separator, word = message.partition("invalid choice: ")
         known = sorted(self.commands())
-        if known and (found or message.endswith(COMMAND)):
-            if not found:
+        if known and (separator or message.endswith(COMMAND)):
+            if not separator:
                 message = "expected CASE.toml or a command"
             elif os.path.exists(word := word.split("'")[1]):
                 message = (
@@ -212,8 +212,12 @@ def program() -> str:
     import shlex  # these two not for commands that have nothing to propose
     import shutil
 
-    found = shutil.which("plymotion")
-    return "plymotion" if found and os.path.samefile(found, started) else shlex.quote(started)
+    executable = shutil.which("plymotion")
+    return (
+        "plymotion"
+        if executable and os.path.samefile(executable, started)
+        else shlex.quote(started)
+    )
 
 
 def whole_number(text: str, least: int = 1) -> int:
@@ -240,12 +244,12 @@ def number(text: str) -> float:
 
 def numbers(text: str) -> list[float]:
     """Return numbers separated by commas; none at all if one is no finite number."""
-    found = [number(part) for part in text.split(",")]
-    return found if all(map(math.isfinite, found)) else []
+    values = [number(part) for part in text.split(",")]
+    return values if all(map(math.isfinite, values)) else []
 
 
 def expecting(
-    read: Callable[[str], T], right: Callable[[T], bool], words: str
+    read: Callable[[str], T], right: Callable[[T], bool], expectation: str
 ) -> Callable[[str], T]:
     """Return a type of arguments: what `read` makes of the text, an error unless that is right.
 
@@ -257,9 +261,9 @@ def expecting(
     """
 
     def value(text: str) -> T:
-        found = read(text)
-        if not right(found):
-            raise argparse.ArgumentTypeError(f"{text!r}: expected {words}")
-        return found
+        result = read(text)
+        if not right(result):
+            raise argparse.ArgumentTypeError(f"{text!r}: expected {expectation}")
+        return result
 
     return value

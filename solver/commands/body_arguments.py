@@ -346,6 +346,6 @@ def _speeds(text: str) -> str:
     try:
         at_of(f"spin={text}")
     except InputError as error:
-        words = str(error).rpartition("; ")[0] or str(error)
-        raise argparse.ArgumentTypeError(words.removeprefix("--at spin=")) from error
+        reason = str(error).rpartition("; ")[0] or str(error)
+        raise argparse.ArgumentTypeError(reason.removeprefix("--at spin=")) from error
     return text

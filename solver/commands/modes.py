@@ -57,8 +57,8 @@ def campbell_text(content: dict[str, Any]) -> str:
     table = [["speed", *(f"{b['branch']}" for b in branches)]]
     table.append(["[rad/s]", *("[Hz]" for _ in branches)])
     for s, speed in enumerate(speeds):
-        found = [(b[key][s], "*" if b["growth"][s] else "") for b in branches]
-        hertz = ["-" if w is None else f"{abs(w) / (2.0 * pi):.6g}{star}" for w, star in found]
+        cells = [(b[key][s], "*" if b["growth"][s] else "") for b in branches]
+        hertz = ["-" if w is None else f"{abs(w) / (2.0 * pi):.6g}{star}" for w, star in cells]
         table.append([f"{speed:.6g}", *hertz])
     seen = "at rest" if fixed else "that turn with the mechanism"
     lines = [
@@ -128,13 +128,13 @@ def run_modes(options: argparse.Namespace) -> int:
         print(json_text(content) if options.json else campbell_text(content))
         files = write_campbell(folder, diagram)
     else:
-        found, response = find_modes(states, states.at(at, axis)), None
+        modes, response = find_modes(states, states.at(at, axis)), None
         if span is not None:
-            response = response_of(found, span, options.input, options.output)
-        content = modes_content(states, found)
+            response = response_of(modes, span, options.input, options.output)
+        content = modes_content(states, modes)
         # First: figures can fail. JSON is alone on standard output.
         print(json_text(content) if options.json else modes_text(content, options.count))
-        files = write_modes(folder, states, found, options.shapes, response)
+        files = write_modes(folder, states, modes, options.shapes, response)
     if not options.json:
         print(f"{folder}: {', '.join(files)}")
     return 0

@@ -35,16 +35,16 @@ def run_optimise(options: argparse.Namespace) -> int:
     given = StudySpec(table, file, options.coarse, name, folder / "studies" / name)
     with folder_lock(folder):
         try:
-            found = optimise(
+            outcome = optimise(
                 given, lambda: executor_of(options), fresh=options.fresh, show=not options.quiet
             )
         except KeyboardInterrupt:
-            words = "interrupted: designs that were computed are kept; the same command continues"
-            print(f"{name}: {words}", file=sys.stderr)
+            message = "interrupted: designs that were computed are kept; the same command continues"
+            print(f"{name}: {message}", file=sys.stderr)
             return INTERRUPTED
     if options.json:
-        print(json_text(found))
+        print(json_text(outcome))
     else:
-        print("\n".join([*outcome_lines(found, given.folder), str(given.folder / PAGE)]))
-    refused = found.get("verified", {}).get("why")
-    return INCOMPLETE if refused or found["optimum"]["violation"] > FEASIBLE else 0
+        print("\n".join([*outcome_lines(outcome, given.folder), str(given.folder / PAGE)]))
+    refused = outcome.get("verified", {}).get("why")
+    return INCOMPLETE if refused or outcome["optimum"]["violation"] > FEASIBLE else 0

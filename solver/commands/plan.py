@@ -79,19 +79,19 @@ def run_chart(options: argparse.Namespace) -> int:
     answer = answered(file)
     if answer.trial is None or answer.check is None or answer.estimate is None:
         raise InputError(f"{file}: no chart without a check: {answer.reason}")
-    found = ladder(answer)
+    chart = ladder(answer)
     rows = [["CPU time", "error", "model"]]
-    for rung in (*found.front(), found.chosen, found.check):
+    for rung in (*chart.front(), chart.chosen, chart.check):
         rows.append([f"{rung.cpu:.3f} s", f"{rung.error:.1e}", rung.name])
     print(aligned(rows, (2,), head=1, rule=False))
-    data = {**found.entry(), "plan": answer.plan.table()}
+    data = {**chart.entry(), "plan": answer.plan.table()}
     write_text(ladder_file(file.parent.parent, answer.spec.run), json.dumps(data, indent=1) + "\n")
     title = f"{answer.spec.case}, {answer.spec.run}: {', '.join(answer.names)}"
-    print(f"Chart: {draw_ladder(figure, found, title)}")
+    print(f"Chart: {draw_ladder(figure, chart, title)}")
     return 0
 
 
-def draw_ladder(path: Path, found: Ladder, title: str) -> Path:
+def draw_ladder(path: Path, chart: Ladder, title: str) -> Path:
     """Draw error against CPU time: all models, their front, the chosen one, the check.
 
     Parameters
@@ -105,22 +105,22 @@ def draw_ladder(path: Path, found: Ladder, title: str) -> Path:
         canvas = Canvas(7.5, 4.6)
         (axis,) = canvas.panels(1, 1)
         shown, front = (
-            [rung for rung in rungs if rung.error > 0.0] for rungs in (found.rungs, found.front())
+            [rung for rung in rungs if rung.error > 0.0] for rungs in (chart.rungs, chart.front())
         )
-        estimate = Rung("", found.chosen.cpu, found.estimate)
+        estimate = Rung("", chart.chosen.cpu, chart.estimate)
         for label, rungs, mark, ink, size in (
             ("models", shown, "o", GREY, 4),
             ("front", front, "-", GREY, 0),
-            ("chosen", [found.chosen], "D", colour(0), 8),
+            ("chosen", [chart.chosen], "D", colour(0), 8),
             ("estimate", [estimate], "_", colour(0), 16),
-            ("check, delivered", [found.check], "s", colour(2), 8),
+            ("check, delivered", [chart.check], "s", colour(2), 8),
         ):
             x, y = [rung.cpu for rung in rungs], [rung.error for rung in rungs]
             axis.loglog(x, y, mark, color=ink, markersize=size, linewidth=1.0, label=label)
-        axis.axhline(found.asked, color=WARNING, linewidth=1.0)
+        axis.axhline(chart.asked, color=WARNING, linewidth=1.0)
         axis.text(
             0.99,
-            found.asked,
+            chart.asked,
             "asked",
             color=WARNING,
             ha="right",

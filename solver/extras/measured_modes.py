@@ -199,7 +199,7 @@ def measured_package(file: Path) -> ModalPackage:
         has_rotations = has_rotations and complete
     names = [file.name, keys.nodes, *(mode.shape for mode in modes)]
     row = {int(node): k for k, node in enumerate(node_ids)}
-    found = Measurement(
+    measurement = Measurement(
         body=keys.body,
         held=keys.reference.at,
         interfaces={
@@ -225,7 +225,7 @@ def measured_package(file: Path) -> ModalPackage:
         "files_sha256": {name: file_sha256(file.parent / name) for name in names},
         "created": datetime.now(UTC).isoformat(timespec="seconds"),
     }
-    return experimental_package(found, provenance)
+    return experimental_package(measurement, provenance)
 
 
 def _unknown_nodes(file: Path, keys: MeasuredFile, node_ids: IntArray) -> list[str]:
@@ -233,7 +233,7 @@ def _unknown_nodes(file: Path, keys: MeasuredFile, node_ids: IntArray) -> list[s
     known = set(node_ids.tolist())
     named = [(f"lines[{i}]", nodes) for i, nodes in enumerate(keys.lines)]
     named += [(f"interfaces.{n}.nodes", i.nodes) for n, i in keys.interfaces.items()]
-    found = [
+    errors = [
         f"{file}: {key} = {nodes}: {keys.nodes} has no node {node}"
         for key, nodes in named
         for node in nodes
@@ -242,8 +242,8 @@ def _unknown_nodes(file: Path, keys: MeasuredFile, node_ids: IntArray) -> list[s
     at = keys.reference.at
     if at is not None and at not in keys.interfaces:
         hint = nearest(at, keys.interfaces)
-        found.append(f'{file}: reference.at = "{at}": no such interface{hint}')
-    return found
+        errors.append(f'{file}: reference.at = "{at}": no such interface{hint}')
+    return errors
 
 
 def _shape(file: Path, node_ids: IntArray, held: list[int]) -> tuple[Array, bool]:

@@ -31,8 +31,8 @@ def tables(models: Iterable[type[BaseModel]]) -> tuple[list[Json], Json]:
     TOML has no null: it is left out of types and defaults.
     """
     models = list(models)
-    refs, found = models_json_schema([(model, "validation") for model in models])
-    known: Json = {name: _plain(table) for name, table in found["$defs"].items()}
+    refs, schema = models_json_schema([(model, "validation") for model in models])
+    known: Json = {name: _plain(table) for name, table in schema["$defs"].items()}
     return [known[referred(refs[model, "validation"])] for model in models], known
 
 
@@ -64,7 +64,7 @@ def json_schema(kind: str) -> Json:
     return {"$schema": DRAFT, **top, "title": f"Plymotion {kind}", "$defs": known}
 
 
-def reached(schema: Any, known: Json, found: Json) -> Json:
+def reached(schema: Any, known: Json, collected: Json) -> Json:
     """Add the tables to which a schema refers, and those to which they refer, to `found`.
 
     Parameters
@@ -74,13 +74,13 @@ def reached(schema: Any, known: Json, found: Json) -> Json:
     found : schemas that are reached, added to
     """
     name = referred(schema) if isinstance(schema, dict) else ""
-    if name and name not in found:
-        found[name] = known[name]
-        reached(known[name], known, found)
+    if name and name not in collected:
+        collected[name] = known[name]
+        reached(known[name], known, collected)
     for item in schema.values() if isinstance(schema, dict) else schema:
         if isinstance(item, dict | list):
-            reached(item, known, found)
-    return found
+            reached(item, known, collected)
+    return collected
 
 
 def _changed(schema: Any, change: Callable[[Json], Json], *, named: bool = False) -> Any:
@@ -136,11 +136,11 @@ def _partial(schema: Json) -> Json:
     """Return a schema whose tables may lack any key, and have expressions in place of numbers."""
 
     def change(schema: Json) -> Json:
-        found = {key: value for key, value in schema.items() if key != "required"}
-        if found.get("type") in ("number", "integer"):
-            found["type"] = [found["type"], "string"]
-        if "oneOf" in found:
-            found["anyOf"] = found.pop("oneOf")
-        return found
+        reduced = {key: value for key, value in schema.items() if key != "required"}
+        if reduced.get("type") in ("number", "integer"):
+            reduced["type"] = [reduced["type"], "string"]
+        if "oneOf" in reduced:
+            reduced["anyOf"] = reduced.pop("oneOf")
+        return reduced
 
     return dict(_changed(schema, change))

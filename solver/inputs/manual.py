@@ -51,13 +51,13 @@ def _row(name: str, key: Mapping[str, Any], required: bool) -> str:
     default = "required" if required else f"`{key.get('default', 'absent')}`"
     meaning = key.get("description") or ("kind of this table" if name in IDENTITY else "")
     options = [key, *key.get("anyOf", ())]
-    found = [text for option in options for text in _limits(option)]
+    limits = [text for option in options for text in _limits(option)]
     items: Mapping[str, Any] = next((o["items"] for o in options if "items" in o), {})
     cells = [
         f"`{name}`",
         _type(key),
         key.get("unit", ""),
-        ", ".join([*found, *(f"each {text}" for text in _limits(items))]),
+        ", ".join([*limits, *(f"each {text}" for text in _limits(items))]),
         default,
         meaning,
     ]
@@ -85,13 +85,13 @@ def _type(key: Mapping[str, Any]) -> str:
 
 def _limits(key: Mapping[str, Any]) -> list[str]:
     signs = dict(zip(NUMBERS, (">", ">=", "<", "<="), strict=True))
-    found = [f"{sign} {key[name]:g}" for name, sign in signs.items() if name in key]
+    limits = [f"{sign} {key[name]:g}" for name, sign in signs.items() if name in key]
     least = next((key[name] for name in LEAST if name in key), None)
     most = next((key[name] for name in MOST if name in key), None)
     if least is not None and least == most:
-        return [*found, f"exactly {least}"]
-    found += [] if least is None else [f"at least {least}"]
-    return found + ([] if most is None else [f"at most {most}"])
+        return [*limits, f"exactly {least}"]
+    limits += [] if least is None else [f"at least {least}"]
+    return limits + ([] if most is None else [f"at most {most}"])
 
 
 # Cross-sections, shells and solids: pages with the keys between two marks.
@@ -121,12 +121,12 @@ def _direction(direction: Mapping[str, Any]) -> str:
 
 def page_keys(kind: str) -> list[str]:
     """Return the keys of a description of a section, shell or solid."""
-    found = chapters(FILES[kind])
+    lines = chapters(FILES[kind])
     if kind != "section":
-        return found
+        return lines
     (mesh,), _ = tables([MeshTable])
     return [
-        *found,
+        *lines,
         "## `[mesh]`",
         "",
         f"Either `file` (last table), or `shape` with its sizes: {', '.join(SHAPE_MESHES)}.",
@@ -175,11 +175,11 @@ _KIND = re.compile(r'kind = ("[^:]*")')
 
 def case_page() -> str:
     """Return docs/case-reference.md."""
-    found = [*chapters(CaseFile, Mechanism), SECTIONS]
+    lines = [*chapters(CaseFile, Mechanism), SECTIONS]
     for name, table in zip(SHAPE_MESHES, tables(SHAPE_MESHES.values())[0], strict=True):
         asked = [f"`{key}`" for key in table["required"] if key not in IDENTITY]
-        found.append(f'- `shape = "{name}"`: {", ".join(asked)}')
-    return "\n".join([CASE, *_contents(found), *found, ""])
+        lines.append(f'- `shape = "{name}"`: {", ".join(asked)}')
+    return "\n".join([CASE, *_contents(lines), *lines, ""])
 
 
 def _contents(lines: list[str]) -> list[str]:

@@ -113,8 +113,8 @@ def shell_spec(table: Mapping[str, Any], file: Path) -> dict[str, Any]:
 
 def _stiffeners(description: ShellDescription, folder: Path) -> dict[str, Any]:
     """Stiffeners with the specifications of their sections."""
-    found = {n: plain_table(each) for n, each in description.stiffeners.items()}
-    for name, table in found.items():
+    stiffeners = {n: plain_table(each) for n, each in description.stiffeners.items()}
+    for name, table in stiffeners.items():
         if "section" not in table:
             continue
         from .section.specification import load_section  # here: few shells have stiffeners
@@ -125,7 +125,7 @@ def _stiffeners(description: ShellDescription, folder: Path) -> dict[str, Any]:
             raise under(f"stiffeners.{name}.section", error) from error
         del section["title"]
         table["section"] = section
-    return found
+    return stiffeners
 
 
 def _mesh(table: Mesh, folder: Path) -> dict[str, object]:
@@ -171,18 +171,18 @@ def _regions(description: ShellDescription) -> tuple[dict[str, Any], dict[str, A
 
 def _references(description: ShellDescription) -> list[str]:
     """Laminates and materials that are named but not described."""
-    found = []
+    errors = []
     for name, region in description.regions.items():
         key = f"regions.{name}"
         if region.laminate is not None:
-            found += unknown(f"{key}.laminate", region.laminate, "laminate", description.laminates)
+            errors += unknown(f"{key}.laminate", region.laminate, "laminate", description.laminates)
         if region.material is not None:
-            found += unknown(key, region.material, "material", description.materials)
-        found += _directed(name, region, description)
+            errors += unknown(key, region.material, "material", description.materials)
+        errors += _directed(name, region, description)
     for name, laminate in description.laminates.items():
         materials = [ply["material"] for ply in laminate.stack()]
-        found += unknown_materials(f"laminates.{name}", materials, description.materials)
-    return found
+        errors += unknown_materials(f"laminates.{name}", materials, description.materials)
+    return errors
 
 
 def _directed(name: str, region: Region, description: ShellDescription) -> list[str]:
@@ -210,13 +210,13 @@ def _groups(description: ShellDescription, file: Path) -> list[str]:
             f'mesh.file = "{description.mesh.file}": no physical surface of it has a name, '
             'expected one per region, such as Physical Surface("skin") = {1};'
         ]
-    found = [
+    errors = [
         f"regions.{name}: {file.name} has no physical surface of this name{nearest(name, surfaces)}"
         for name in description.regions
         if name not in (*surfaces, ALL)
     ]
     if ALL not in description.regions:
-        found += [
+        errors += [
             f"regions.{name}: missing; {file.name} has the physical surfaces {few(surfaces)}"
             for name in surfaces
             if name not in description.regions
@@ -225,17 +225,17 @@ def _groups(description: ShellDescription, file: Path) -> list[str]:
     for key, name in _places(description):
         links = () if key.startswith("links.") else description.links
         if name not in known and name not in links:
-            found.append(
+            errors.append(
                 f'{key} = "{name}": {file.name} has no physical group of this name'
                 f"{nearest(name, (*known, *links))}"
             )
     for name, region in description.regions.items():
         if region.axis_curve is not None and region.axis_curve not in curves:
-            found.append(
+            errors.append(
                 f'regions.{name}.axis_curve = "{region.axis_curve}": {file.name} has no physical '
                 f"curve of this name{nearest(region.axis_curve, curves)}"
             )
-    return found
+    return errors
 
 
 def _places(description: ShellDescription) -> list[tuple[str, str]]:

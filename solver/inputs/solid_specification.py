@@ -153,22 +153,22 @@ def _mesh(description: SolidDescription, folder: Path) -> dict[str, object]:
             raise InputError(f"mesh.{name}: expected with a CAD file only, not with {table.file}")
     if table.parameters is not None and file.suffix != ".geo":
         raise InputError(f"mesh.parameters: expected with a .geo script, not with {table.file}")
-    found = plain_table(table) | {"file": os.path.relpath(file), "sha256": content_sha256(file)}
+    mesh = plain_table(table) | {"file": os.path.relpath(file), "sha256": content_sha256(file)}
     if table.unit is not None:
-        found["unit"] = LENGTHS[table.unit]
-    return dict(found)
+        mesh["unit"] = LENGTHS[table.unit]
+    return dict(mesh)
 
 
 def _references(description: SolidDescription) -> list[str]:
     """Return errors of materials and interfaces that are named but not described."""
-    found = []
+    errors = []
     for name, region in description.regions.items():
         key = f"regions.{name}.material"
-        found += unknown(key, region.material, "material", description.materials)
+        errors += unknown(key, region.material, "material", description.materials)
         material = description.materials.get(region.material)
         given = [key for key in AXES if getattr(region, key) is not None]
         if material and material.kind == "orthotropic" and given not in DIRECTED:
-            found.append(
+            errors.append(
                 f"regions.{name}.axis: missing, needed for the directions of an orthotropic "
                 "material: expected axis and normal, axis_along and normal, or axis_about alone; "
                 f"found {' and '.join(given) or 'none'}"
@@ -181,10 +181,10 @@ def _references(description: SolidDescription) -> list[str]:
         if load.at is not None
     ]
     for key, place in places:
-        found += unknown(key, place, "interface", description.interfaces)
+        errors += unknown(key, place, "interface", description.interfaces)
         interface = description.interfaces.get(place)
         if interface is not None and key == "supports" and interface.link != "rigid":
-            found.append(f'interfaces.{place}.link = "average": expected "rigid": it is held')
+            errors.append(f'interfaces.{place}.link = "average": expected "rigid": it is held')
     if description.loads and not description.supports:
-        found.append("supports: missing; expected an interface that holds the solid, with [loads]")
-    return found
+        errors.append("supports: missing; expected an interface that holds the solid, with [loads]")
+    return errors

@@ -73,11 +73,11 @@ def breaks(model: Model, t_end: float) -> Breaks:
             continue
         longest = min(longest, t_end / EXPRESSION)
         drive = p in {int(model.quantities.law[law]) for law in driven}
-        found = _of_program(partial(_of_time, model.quantities, p), t_end, drive=drive)
-        if found is None:
+        parts = _of_program(partial(_of_time, model.quantities, p), t_end, drive=drive)
+        if parts is None:
             unsearched += 1
             continue
-        bends, begins, leaps = found
+        bends, begins, leaps = parts
         kinks.append(bends)
         narrow.append(begins)
         jumps.append(leaps)
@@ -158,10 +158,10 @@ def _of_program(
     low, high = edges[:-1], edges[1:]
     while low.size and high[0] - low[0] > GAP * t_end:
         kink, jump = breaking(low, high)
-        found = kink | jump
-        if np.count_nonzero(found) > MOST_CELLS:
+        cells = kink | jump
+        if np.count_nonzero(cells) > MOST_CELLS:
             return None  # everywhere, as of two functions that are the same
-        low, high = _split(low[found], high[found], FIRST_CELLS)
+        low, high = _split(low[cells], high[cells], FIRST_CELLS)
     kink, jump = breaking(low, high)
     kink, jump = kink & (low > 0.0) & ~jump, jump & (low > 0.0)
     bends, leaps = high[kink], np.column_stack([low[jump], high[jump]])
@@ -185,25 +185,25 @@ def _split(low: Array, high: Array, count: int) -> tuple[Array, Array]:
 
 def _apart(jumps: Array) -> Array:
     """Return jumps in ascending order, those that overlap as one."""
-    found: list[list[float]] = []
+    intervals: list[list[float]] = []
     for before, after in sorted(map(tuple, jumps.tolist())):
-        if found and before <= found[-1][1] + 2.0 * (after - before):
-            found[-1][1] = max(found[-1][1], after)
+        if intervals and before <= intervals[-1][1] + 2.0 * (after - before):
+            intervals[-1][1] = max(intervals[-1][1], after)
         else:
-            found.append([before, after])
-    return np.array(found).reshape(-1, 2)
+            intervals.append([before, after])
+    return np.array(intervals).reshape(-1, 2)
 
 
 def _narrowing(ranges: Ranges, edges: Array) -> Array:
     """Return where a law begins to vary fast between edges (k,), and the first bit of it."""
     low, high = _quiet(ranges, edges)
     length = high - low
-    found = [np.zeros(0)]
+    edges_of_ranges = [np.zeros(0)]
     for i in np.flatnonzero(length[1:] < length[:-1] / 1.5) + 1:
         begin = int(np.searchsorted(high, low[i] - REMEMBERED * length[i]))
         if not (length[begin:i] <= 1.5 * length[i]).any():
-            found.append(np.array([low[i], high[i]]))
-    return np.concatenate(found)
+            edges_of_ranges.append(np.array([low[i], high[i]]))
+    return np.concatenate(edges_of_ranges)
 
 
 def _quiet(ranges: Ranges, edges: Array) -> tuple[Array, Array]:

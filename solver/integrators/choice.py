@@ -143,16 +143,16 @@ def make_integrator(
         "atol": tolerances(model, y0, solver) if atol is None else atol,
         "block_starts": blocks(model),
     }
-    found = breaks(model, solver.t_end)
-    options |= {"kinks": distinct(found.kinks, found.narrow), "jumps": found.jumps}
+    broken = breaks(model, solver.t_end)
+    options |= {"kinks": distinct(broken.kinks, broken.narrow), "jumps": broken.jumps}
     if kind.takes == "model":
-        options["sharp"] = found.kinks
+        options["sharp"] = broken.kinks
     if fixed_step is not None:
         options["fixed_step"] = fixed_step
     elif solver.max_step is not None:
         options["max_step"] = solver.max_step
     else:
-        options["max_step"] = found.longest
+        options["max_step"] = broken.longest
     if functions:
         options["functions"] = functions
     options |= {key.name: getattr(solver, key.name) for key in kind.keys}
@@ -164,7 +164,7 @@ def make_integrator(
     if fixed_step is None and (unseen := HiddenForces(model, made.points)):
         made.hidden, made.chattering = unseen.stops, unseen.chattering
     if fixed_step is None and solver.max_step is None:  # else the user has chosen the steps
-        made.unsearched = found.unsearched
+        made.unsearched = broken.unsearched
     made.vibrates = bool(
         model.n_mode.any() or model.layout.element_row.size or (model.quantities.along >= 0).any()
     )

@@ -222,9 +222,9 @@ class ExplicitLoop(Explicit, ClosingLoop):
         if (left := self.bounded_to - self.counters.steps) > 0:
             most = min(most, left)  # the next bound is found at the same step in any case
         at = self._model, self._work, self._options, self.tableau, self._workspace
-        found = advance_explicit(*at, most, times, rows, filled, ends)
+        outcome = advance_explicit(*at, most, times, rows, filled, ends)
         self._note_stiffness()
-        return found
+        return outcome
 
     def _dense(self) -> Dense:
         fill_polynomial(self._model, self._work, self.tableau, self._workspace)

@@ -51,10 +51,10 @@ class HiddenForces:
     def __init__(self, model: Model, points: tuple[float, ...]) -> None:
         self._model = model
         at, cells = np.array(points), np.zeros((2, MOST_CELLS, 2))
-        found = (
+        groups = (
             watched_expression(model, p, at, cells) for p in distinct(programs_read(model)).tolist()
         )
-        self._watched = [each for each in found if each is not None]
+        self._watched = [each for each in groups if each is not None]
         first = model.n_pos + model.n_vel
         read = any((each.slope > each.loads + 1).any() for each in self._watched)
         self._states = slice(first, first + model.n_aux) if read else None
@@ -86,23 +86,23 @@ class HiddenForces:
         norm : of errors; 1 is just acceptable
         over_bends : steps may go over bends
         """
-        found, values = np.inf, self._values(t, y, rate)
+        hidden, values = np.inf, self._values(t, y, rate)
         with np.errstate(all="ignore"):
             for each in self._watched:
-                found = first_hidden(each, t, values, found)
-            found = min(found, self._passes(t, y))
-            stops = [found] if np.isfinite(found) else []
+                hidden = first_hidden(each, t, values, hidden)
+            hidden = min(hidden, self._passes(t, y))
+            stops = [hidden] if np.isfinite(hidden) else []
             for each in list(self._breaking):
                 i, part, jump, factor, reach = first_break(each, t, values, 0, 0.0)
-                while i >= 0 and t[i] + part * (t[i + 1] - t[i]) < found:
+                while i >= 0 and t[i] + part * (t[i + 1] - t[i]) < hidden:
                     h = float(t[i + 1] - t[i])
                     cost = h * self._gain.get(each.program, np.inf) * min(factor, reach)
                     bends = cost > UNSURE and not over_bends
                     if jump > 0.0 or (bends and not self._rests(each, float(t[i]), h, cost)):
                         path = _path(t[i : i + 2], y[i : i + 2], rate)
                         more = self._within(each, path, np.inf if over_bends else reach, rate, norm)
-                        if more and more[0] < found:
-                            found, stops = more[0], more
+                        if more and more[0] < hidden:
+                            hidden, stops = more[0], more
                             break
                         part = 1.0
                     i, part, jump, factor, reach = first_break(each, t, values, i, part)
@@ -110,7 +110,7 @@ class HiddenForces:
 
     def _passes(self, t: Array, y: Array) -> float:
         """Return the middle of the first step in which a distance is no polynomial, [s]; or inf."""
-        found = np.inf
+        passed = np.inf
         for pair in self._pairs:
             one, two = (marker_motions(self._model, k, y)[0] for k in pair)
             apart, speed = (
@@ -122,8 +122,8 @@ class HiddenForces:
             far = np.diff(t) * np.maximum(speed[1:], speed[:-1]) > FAR * near
             if far.any():
                 i = int(np.argmax(far))
-                found = min(found, float(0.5 * (t[i] + t[i + 1])))
-        return found
+                passed = min(passed, float(0.5 * (t[i] + t[i + 1])))
+        return passed
 
     def _values(self, t: Array, y: Array, rate: Derivative) -> Array:
         """Return all quantities at times t (k,), and behind them the rates of states if read."""

@@ -74,7 +74,7 @@ def kinetic_energies(
     memory = new_cutoff(model, frozen, least.copy())
     start_filter(model, frozen, memory, cutoff)
     filter_error(model, memory, cutoff, y)
-    found = np.zeros(2)
+    energies = np.zeros(2)
     for i, j in enumerate(np.asarray(model.vel_start) + model.n_pos):
         size, lead = int(model.layout.size[i]), int(model.layout.lead[i])
         M = frozen.M[i, :size, :size]
@@ -82,8 +82,8 @@ def kinetic_energies(
         lower[:, lead:] = 0.0
         v = y[j : j + size]
         for k, w in enumerate((v - memory.error[j : j + size], v)):
-            found[k] += w @ lower @ w + 0.5 * (np.diag(M) * w) @ w
-    return float(found[0]), float(found[1])
+            energies[k] += w @ lower @ w + 0.5 * (np.diag(M) * w) @ w
+    return float(energies[0]), float(energies[1])
 
 
 A_TURN = 0.1  # rad in a step, from which on the rotation itself asks for steps this short
@@ -193,11 +193,11 @@ class Radau(ClosingLoop):
         which is named; and a vibration with
         most of the kinetic energy is the motion itself, which no cutoff may damp.
         """
-        found = pace.stalled(self.t, self.counters.steps, self.counters.rejected)
-        if found is None:
+        stall = pace.stalled(self.t, self.counters.steps, self.counters.rejected)
+        if stall is None:
             return
         fastest = turning(self._model, self.y)
-        if fastest.spin * found.step > A_TURN:
+        if fastest.spin * stall.step > A_TURN:
             if fastest.rim > TOO_FAST and self._is_beyond(fastest):
                 self.status = "failed"
                 self.message = TURNS_TOO_FAST.format(t=self.t, spin=fastest.spin, rim=fastest.rim)
@@ -207,11 +207,11 @@ class Radau(ClosingLoop):
         energies = kinetic_energies(self._model, least, self.t, self.y, cutoff)
         self._kinetic = np.maximum(self._kinetic, energies)
         component, rate = ringing(self._model, self._workspace)
-        faint = energies[0] <= NOTHING * energies[1] and rate * found.step > OWN
+        faint = energies[0] <= NOTHING * energies[1] and rate * stall.step > OWN
         if faint or (self.chattering and energies[0] <= FAINT * energies[1]):
             return
         if not self.stalls:
-            self.stalls = [replace(found, component=component, rate=rate, remedy=self.on_stall)]
+            self.stalls = [replace(stall, component=component, rate=rate, remedy=self.on_stall)]
         elif self._patience > 0:
             self._patience -= 1
             return

@@ -320,12 +320,12 @@ class StepLoop(StrideMemory):
         if not keep:
             self._ends = self._room(LOCATED)
         most, begun = min(most, LOCATED), self._mark()
-        found, last, clock = -1, np.inf, self._workspace.clock
+        event, last, clock = -1, np.inf, self._workspace.clock
         for passes_left in range(MOST_PASSES - 1, -1, -1):
             reached = self._take(most, times, rows, filled, keep=keep)
             t, y = self._ends_since(begun)
-            if found >= 0 and len(t) > 1:
-                gap, rate = beyond(self._model, self.t, self.y)[found]
+            if event >= 0 and len(t) > 1:
+                gap, rate = beyond(self._model, self.t, self.y)[event]
                 late = gap / rate if rate > 0.0 else 0.0
                 if abs(late) < NOTHING * max(1.0, abs(self.t)) or self.t < clock[codes.END]:
                     break
@@ -335,8 +335,8 @@ class StepLoop(StrideMemory):
                     break
                 at, last = self.t - late, abs(late)
             else:
-                armed, found, at = first_crossing(self._model, t, y, self._armed)
-                if found < 0:
+                armed, event, at = first_crossing(self._model, t, y, self._armed)
+                if event < 0:
                     self._armed = armed
                     return reached
             self._go_back(begun)
@@ -347,8 +347,8 @@ class StepLoop(StrideMemory):
             clock[codes.END] = at
             begun = self._mark()
             self._begun = begun if keep else None
-        self._struck = (found,)
-        self._armed = tuple(one and e != found for e, one in enumerate(self._armed))
+        self._struck = (event,)
+        self._armed = tuple(one and e != event for e, one in enumerate(self._armed))
         return reached
 
     @property

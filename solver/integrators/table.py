@@ -24,14 +24,14 @@ def classes_of(package: str, path: Iterable[str]) -> list[type[Integrator]]:
     ------
     ValueError : a class that does not keep the contract (contract.py)
     """
-    found = [
+    classes = [
         kind
         for kind in catalogue(package, path, ABCMeta, ("table", "choice", "generic", "compiled"))
         if issubclass(kind, Integrator) and kind.name and not isabstract(kind)
     ]
-    for kind in found:
+    for kind in classes:
         _check(kind)
-    return found
+    return classes
 
 
 def named(kinds: Iterable[type[Integrator]]) -> dict[str, type[Integrator]]:

@@ -108,7 +108,7 @@ def _curved(codes: IntArray) -> NDArray[np.bool_]:
     """Return which parts of an expression are not linear in what it reads."""
     constant, linear, curved = 0, 1, 2
     stack: list[int] = []
-    found = []
+    flags = []
     for code in codes.tolist():
         if code in op.PUSHES:
             stack.append(constant if code == op.CONSTANT else linear)
@@ -120,8 +120,8 @@ def _curved(codes: IntArray) -> NDArray[np.bool_]:
         )
         kept = code in SUMS or scaled or max(given) == constant
         stack.append(max(given) if kept else curved)
-        found.append(stack[-1] == curved)
-    return np.array(found, dtype=bool)
+        flags.append(stack[-1] == curved)
+    return np.array(flags, dtype=bool)
 
 
 @lean
@@ -141,9 +141,9 @@ def first_hidden(watched: Watched, t: Array, values: Array, before: float) -> fl
         if _is_quiet(watched):
             continue
         if _varies(watched, True):
-            found = _unseen(watched, before, watched.cells.shape[1] // (t.shape[0] - 1))
-            if found < before:
-                return found
+            hidden = _unseen(watched, before, watched.cells.shape[1] // (t.shape[0] - 1))
+            if hidden < before:
+                return hidden
         else:
             _widen(watched)
     return before
@@ -252,10 +252,10 @@ def _value(watched: Watched, at: float) -> float:
 def _has_left(watched: Watched, at: float) -> bool:
     """Return whether a part is at a part of a step on another branch than at the begin."""
     _value(watched, at)
-    found = False
+    left = False
     for k in range(watched.breaking.shape[0]):
-        found = found or (watched.breaking[k] > 0 and watched.breaks[k] != watched.branches[k])
-    return found
+        left = left or (watched.breaking[k] > 0 and watched.breaks[k] != watched.branches[k])
+    return left
 
 
 @inlined
@@ -322,16 +322,16 @@ def _varies(watched: Watched, passed: bool) -> bool:
 
     `passed`: by a step, so that the range of a part that does not vary so much counts.
     """
-    bounds, span, found = watched.bounds, watched.span, False
+    bounds, span, varies = watched.bounds, watched.span, False
     _bound(watched)
     for k in range(bounds.shape[0]):
         if watched.curved[k] > 0:
             least, most = bounds[k, 0], bounds[k, 1]
             if not most - least <= VARIES * max(span[k, 1] - span[k, 0], 0.0):
-                found = True
+                varies = True
             elif passed:
                 span[k, 0], span[k, 1] = min(span[k, 0], least), max(span[k, 1], most)
-    return found
+    return varies
 
 
 @inlined
@@ -355,26 +355,26 @@ def _unseen(watched: Watched, before: float, room: int) -> float:
     `before` [s] if there is none, or none that early; room : most cells at a time.
     """
     _set_limits(watched)
-    path, cells, found = watched.path, watched.cells, before
+    path, cells, unseen = watched.path, watched.cells, before
     now, count = 0, 1
     cells[0, 0, 0], cells[0, 0, 1] = 0.0, 1.0
     while count > 0 and SPLIT * count <= room:
         more = 0
         for c in range(count):
             a, b = cells[now, c, 0], cells[now, c, 1]
-            if path[0, 0] + a * path[0, 1] >= found or not b - a > SHORTEST:
+            if path[0, 0] + a * path[0, 1] >= unseen or not b - a > SHORTEST:
                 continue
             if not _is_beyond(watched, a, b):
                 continue
             middle = 0.5 * (a + b)
             if _is_beyond(watched, middle, middle):
-                found = min(found, path[0, 0] + middle * path[0, 1])
+                unseen = min(unseen, path[0, 0] + middle * path[0, 1])
             for n in range(SPLIT):
                 cells[1 - now, more, 0] = a + (b - a) * (n / SPLIT)
                 cells[1 - now, more, 1] = a + (b - a) * ((n + 1) / SPLIT)
                 more += 1
         now, count = 1 - now, more
-    return found
+    return unseen
 
 
 @inlined
@@ -400,11 +400,11 @@ def _set_limits(watched: Watched) -> None:
 @lean
 def _is_beyond(watched: Watched, a: float, b: float) -> bool:
     """Return whether a part may be beyond its limits in the part [a, b] of the step."""
-    bounds, limits, found = watched.bounds, watched.limits, False
+    bounds, limits, outside = watched.bounds, watched.limits, False
     _set_box(watched, a, b)
     _bound(watched)
     for k in range(bounds.shape[0]):
         if watched.curved[k] > 0:
             beyond = bounds[k, 0] < limits[k, 0] or bounds[k, 1] > limits[k, 1]
-            found = found or beyond
-    return found
+            outside = outside or beyond
+    return outside

@@ -67,8 +67,8 @@ def front(points: Sequence[tuple[float, float]]) -> list[int]:
     ----------
     points : pairs of which less is better, as CPU time [s] and error
     """
-    found: list[int] = []
+    chosen: list[int] = []
     for i in sorted(range(len(points)), key=points.__getitem__):
-        if not found or points[i][1] < points[found[-1]][1]:
-            found.append(i)
-    return found
+        if not chosen or points[i][1] < points[chosen[-1]][1]:
+            chosen.append(i)
+    return chosen

@@ -28,12 +28,12 @@ def catalogue(
     package, path : `__name__` and `__path__` of the package
     besides : modules that supply nothing and are not imported
     """
-    found: list[Thing] = []
+    things: list[Thing] = []
     for module in sorted({info.name for info in pkgutil.iter_modules(list(path))} - {*besides}):
         for value in vars(import_module(f"{package}.{module}")).values():
-            if isinstance(value, kind) and not any(value is other for other in found):
-                found.append(value)
-    return found
+            if isinstance(value, kind) and not any(value is other for other in things):
+                things.append(value)
+    return things
 
 
 def listed(named: Iterable[tuple[str, Thing]], names: Iterable[str], what: str) -> dict[str, Thing]:
@@ -47,10 +47,12 @@ def listed(named: Iterable[tuple[str, Thing]], names: Iterable[str], what: str) 
 
     Raises ValueError : things and list differ.
     """
-    found, names = by_name(named, what), list(names)
-    if set(found) != set(names):
-        raise ValueError(f"{what}: the files supply {sorted(found)}, the list has {sorted(names)}")
-    return {name: found[name] for name in names}
+    by_names, names = by_name(named, what), list(names)
+    if set(by_names) != set(names):
+        raise ValueError(
+            f"{what}: the files supply {sorted(by_names)}, the list has {sorted(names)}"
+        )
+    return {name: by_names[name] for name in names}
 
 
 def by_name(named: Iterable[tuple[str, Thing]], what: str) -> dict[str, Thing]:
@@ -202,7 +204,7 @@ def lazy_names(
     """
     package = space["__name__"]
 
-    def found(name: str) -> object:
+    def value_of(name: str) -> object:
         if name not in modules:
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
         space[name] = getattr(import_module(f"{package}.{modules[name]}"), name)
@@ -211,4 +213,4 @@ def lazy_names(
     def names() -> list[str]:
         return sorted([*space, *modules])
 
-    return found, names
+    return value_of, names

@@ -55,10 +55,10 @@ def _names(*places: str) -> Iterator[str]:
 def state_of(file: Path) -> list[int]:
     """Return size and time of a file, as make compares them; nothing of one that is not there."""
     try:
-        found = os.stat(file)
+        status = os.stat(file)
     except OSError:
         return []
-    return [found.st_size, found.st_mtime_ns]
+    return [status.st_size, status.st_mtime_ns]
 
 
 def state_since(file: Path, begin: int) -> list[int]:
@@ -96,24 +96,24 @@ class DiskCache:
             root = Path(chosen) if chosen else Path.home() / ".cache" / "plymotion"
         except RuntimeError:
             return None
-        found = root / self.name
-        place = found if _is_own(root) and _is_own(found) else None
-        if found in _checked:  # it is there
+        own = root / self.name
+        place = own if _is_own(root) and _is_own(own) else None
+        if own in _checked:  # it is there
             _places[key] = place
         return place
 
     def made(self, name: str = "") -> Path | None:
         """Return the folder, or one in it, made if missing; None if that is not possible."""
-        found = self.folder()
-        if found is None:
+        own = self.folder()
+        if own is None:
             return None
         try:
-            found.parent.parent.mkdir(parents=True, exist_ok=True)
-            for folder in (found.parent, found, found / name):
+            own.parent.parent.mkdir(parents=True, exist_ok=True)
+            for folder in (own.parent, own, own / name):
                 folder.mkdir(mode=0o700, exist_ok=True)
         except OSError:
             return None
-        return found / name if self.folder() is not None else None
+        return own / name if self.folder() is not None else None
 
     def read(self, key: str) -> bytes | None:
         """Return what is kept under `key`; None if there is nothing, or it is damaged."""
@@ -163,13 +163,13 @@ class DiskCache:
         now, kept = time.time(), []
         for path in where.iterdir():
             with contextlib.suppress(OSError):
-                found = path.stat()
-                age = now - found.st_mtime
+                status = path.stat()
+                age = now - status.st_mtime
                 if path.name.startswith(".new-"):
                     if age > _HOUR:
                         path.unlink()
                 else:
-                    kept.append((age, path, found.st_size))
+                    kept.append((age, path, status.st_size))
         total = 0
         for number, (_, path, size) in enumerate(sorted(kept)):
             total += size
@@ -185,12 +185,12 @@ def _is_own(folder: Path) -> bool:
     """
     if folder not in _checked:
         try:
-            link, found = folder.lstat(), folder.stat()
+            link, target = folder.lstat(), folder.stat()
         except OSError:
             return True
-        user = getattr(os, "geteuid", lambda: found.st_uid)()  # Windows has other means
-        writable = os.name == "posix" and found.st_mode & (stat.S_IWGRP | stat.S_IWOTH)
-        _checked[folder] = not writable and {link.st_uid, found.st_uid} <= {user, 0}
+        user = getattr(os, "geteuid", lambda: target.st_uid)()  # Windows has other means
+        writable = os.name == "posix" and target.st_mode & (stat.S_IWGRP | stat.S_IWOTH)
+        _checked[folder] = not writable and {link.st_uid, target.st_uid} <= {user, 0}
         if not _checked[folder] and sum(not own for own in _checked.values()) == 1:
             warnings.warn(
                 f"{folder}: not used as a cache, because another user owns it or can write to it, "

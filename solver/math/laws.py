@@ -203,10 +203,10 @@ def overshoot(law: Law, values: Numbers, first: int = 0) -> float:
     for begin in range(first, last, AT_ONCE):
         end = min(begin + AT_ONCE, last)
         s = np.diff(law.times[begin : end + 1])[:, None] * np.linspace(0.0, 1.0, PLACES)
-        found = np.zeros_like(s)
+        value = np.zeros_like(s)
         for i in range(N_COEFFICIENT - 1, -1, -1):
-            found = found * s + law.coefficients[begin:end, i, None]
-        most, least = max(most, float(found.max())), min(least, float(found.min()))
+            value = value * s + law.coefficients[begin:end, i, None]
+        most, least = max(most, float(value.max())), min(least, float(value.min()))
     return float(max(most - high, low - least) / (high - low))
 
 
@@ -336,8 +336,8 @@ def _through(
     try:
         inner = table(x, y, KINDS.get(interpolation, "linear"))
     except ValueError as error:
-        words = str(error).replace("times", "x").replace("values", "y")
-        raise ValueError(words) from error
+        message = str(error).replace("times", "x").replace("values", "y")
+        raise ValueError(message) from error
     if interpolation == "natural":
         from scipy.interpolate import CubicSpline  # 0.1 s: only for curves
 

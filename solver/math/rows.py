@@ -85,25 +85,25 @@ class LongRows(ABC):
         rows, rest = (key[0], key[1:]) if isinstance(key, tuple) else (key, ())
         if isinstance(rows, slice):
             first, end, step = rows.indices(len(self))
-            found = self._some(np.arange(first, end, step)) if step != 1 else self.read(first, end)
+            values = self._some(np.arange(first, end, step)) if step != 1 else self.read(first, end)
         elif np.ndim(rows) == 0:
             at = range(len(self))[int(rows)]
             return self.read(at, at + 1)[(0, *rest)]
         else:
             chosen = np.arange(len(self))[rows] if np.asarray(rows).dtype == bool else rows
-            found = self._some(np.asarray(chosen, dtype=np.int64) % max(len(self), 1))
-        return found[(slice(None), *rest)] if rest else found
+            values = self._some(np.asarray(chosen, dtype=np.int64) % max(len(self), 1))
+        return values[(slice(None), *rest)] if rest else values
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> Array:
         return self.read(0, len(self)).astype(dtype or float, copy=False)
 
     def _some(self, rows: IntArray) -> Array:
-        found = np.empty((len(rows), *self.shape[1:]))
+        values = np.empty((len(rows), *self.shape[1:]))
         breaks = np.flatnonzero(np.diff(rows) != 1) + 1
         for part in np.split(np.arange(len(rows)), breaks):  # rows that follow each other
             if part.size:
-                found[part] = self.read(int(rows[part[0]]), int(rows[part[-1]]) + 1)
-        return found
+                values[part] = self.read(int(rows[part[0]]), int(rows[part[-1]]) + 1)
+        return values
 
 
 def temporary_file(folder: Path | None) -> IO[bytes]:
@@ -143,8 +143,8 @@ class StoredRows(LongRows):
 
     def read(self, first: int, end: int) -> Array:
         """Return rows first to end - 1."""
-        found = np.empty((max(end - first, 0), *self.shape[1:]))
-        size, raw = 8 * int(np.prod(self.shape[1:])), found.reshape(-1).view(np.uint8)
+        values = np.empty((max(end - first, 0), *self.shape[1:]))
+        size, raw = 8 * int(np.prod(self.shape[1:])), values.reshape(-1).view(np.uint8)
         at = max(bisect.bisect_right(self._pieces, (first, np.inf)) - 1, 0)
         for (start, place), (last, _) in pairwise([*self._pieces[at:], (len(self), 0)]):
             if start >= end or first >= end:
@@ -152,7 +152,7 @@ class StoredRows(LongRows):
             a, b = max(first, start), min(end, last)
             self._file.seek(place + size * (a - start))
             self._file.readinto(raw[size * (a - first) : size * (b - first)].data)  # type: ignore[attr-defined]
-        return found
+        return values
 
 
 _STORED: WeakSet[StoredRows] = WeakSet()

@@ -220,19 +220,19 @@ def driven_frames(joints: Sequence[Stand]) -> IntArray:
     for k, joint in enumerate(joints):
         if joint.rigid and min(joint.bodies) < 0 <= max(joint.bodies):
             at_body.setdefault(max(joint.bodies), []).append(k)
-    for body, found in at_body.items():
-        taken = [joints[k].removes for k in found]
+    for body, indices in at_body.items():
+        taken = [joints[k].removes for k in indices]
         freedoms = [freedom for removes in taken if removes is not None for freedom in removes]
         if None in taken or not len(freedoms) == len(set(freedoms)) == FREEDOMS:
             continue
-        first = joints[found[0]]
+        first = joints[indices[0]]
         same = all(
             np.allclose(joints[k].x, first.x, rtol=0.0, atol=1e-12)
             and np.allclose(joints[k].A, first.A, rtol=0.0, atol=1e-12)
-            for k in found
+            for k in indices
         )
         if same:
-            out[found] = body
+            out[indices] = body
     return out
 
 

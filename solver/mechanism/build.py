@@ -86,10 +86,10 @@ class VirtualBodies:
         names : names of the mass points
         masses : marker and mass [kg] of each
         """
-        found = VirtualBodies([*self.bodies], [*self.markers], [*self.joints], [*self.carriers])
+        result = VirtualBodies([*self.bodies], [*self.markers], [*self.joints], [*self.carriers])
         for name, (k, mass) in zip(names, masses, strict=True):
-            found.add(name, mass, self.markers[k], len(bodies) + len(found.bodies))
-        return found
+            result.add(name, mass, self.markers[k], len(bodies) + len(result.bodies))
+        return result
 
     def add(self, name: str, mass: float, marker: MarkerTable, number: int) -> None:
         """Append a virtual body of a mass [kg], body `number` of the model, fixed to a marker.
@@ -121,7 +121,7 @@ def through_virtual_bodies(
     markers : its markers
     joints : its joints and drives
     """
-    found = VirtualBodies([], [*markers], [])
+    virtual = VirtualBodies([], [*markers], [])
     number: dict[tuple[int, bytes, bytes], int] = {}  # interface -> its virtual body
     moved: dict[int, int] = {}  # marker on a flexible body -> marker on its virtual body
 
@@ -132,18 +132,18 @@ def through_virtual_bodies(
         if k not in moved:
             interface = (marker.body, marker.x.tobytes(), marker.phi.tobytes())
             if interface not in number:
-                number[interface] = len(bodies) + len(found.bodies)
-                name = f"{bodies[marker.body].name} (virtual {len(found.bodies) + 1})"
-                found.add(name, 0.0, marker, number[interface])
-            found.markers.append(MarkerTable(number[interface], np.zeros(3), marker.A))
-            moved[k] = len(found.markers) - 1
+                number[interface] = len(bodies) + len(virtual.bodies)
+                name = f"{bodies[marker.body].name} (virtual {len(virtual.bodies) + 1})"
+                virtual.add(name, 0.0, marker, number[interface])
+            virtual.markers.append(MarkerTable(number[interface], np.zeros(3), marker.A))
+            moved[k] = len(virtual.markers) - 1
         return moved[k]
 
     own = [
         replace(j, marker_1=on_virtual_body(j.marker_1), marker_2=on_virtual_body(j.marker_2))
         for j in joints
     ]
-    return replace(found, joints=own + found.joints)
+    return replace(virtual, joints=own + virtual.joints)
 
 
 def used_packages(
@@ -156,16 +156,16 @@ def used_packages(
     PackageError
         A package without a mode or an interface that `reduced` asks for.
     """
-    found = dict(packages)
+    used = dict(packages)
     for name, body in mechanism.bodies.items():
         if body.kind == "rigid":
             continue
         if body.rigid:
-            found[name] = rigid(found[name])
+            used[name] = rigid(used[name])
         elif body.reduced is not None:
             tables = [dict(vars(mode)) for mode in body.reduced]
-            found[name] = selected(found[name], tables)
-    return found
+            used[name] = selected(used[name], tables)
+    return used
 
 
 def modal_values(
@@ -193,15 +193,15 @@ def modal_values(
     labels = list(package.mode_labels or package.mode_kinds)
     known = {label: k for k, label in enumerate(labels) if labels.count(label) == 1}
     known |= {str(k + 1): k for k in range(package.n_mode)}
-    found: dict[int, float] = {}
+    values: dict[int, float] = {}
     for word, value in getattr(body, key).items():
         where = f'bodies.{name}.{key} = "{word}"'
         if word not in known:
             raise InputError(f"{where}: no such mode{nearest(word, known)}")
-        if known[word] in found:
+        if known[word] in values:
             raise InputError(f"{where}: expected each mode once; it has another value")
-        found[known[word]] = value
-    return list(found.items())
+        values[known[word]] = value
+    return list(values.items())
 
 
 MODERATE = 100.0  # mass point over its body: far from round-off

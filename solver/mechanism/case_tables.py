@@ -154,11 +154,11 @@ def joint_tables(
         if share:
             held = joint_starts(joint).items()
             given += [(key, "start", laws.polynomial([share * at])) for key, at in held]
-        for key, words, of_key in given:
+        for key, text, of_key in given:
             driven = JOINTS[kind].drives[key].drive
             of = driven.coordinate
             start = float(shift[of.axis]) if isinstance(of, Displacement) else 0.0
-            label = f"{name} ({words})"
+            label = f"{name} ({text})"
             tables.append(JointTable(label, driven.kind, one, two, shifted(of_key, start)))
         built[name] = BuiltJoint(kind, tuple(range(first, len(tables))), shift)
     return tables, built
@@ -236,12 +236,12 @@ class Reader:
         parts = [(along, name, terms.force)]
         for slip, size in terms.friction:
             parts.append((self._coordinate(slip), f"{name} (friction)", size))
-        found = []
+        tables = []
         for m, label, size in parts:
             table, placed = self.found.coordinates[m], self.placed(size)
             markers = table.marker_1, table.marker_2
-            found.append(ForceTable(label, keys.kind, *markers, size=placed, along=m))
-        return found
+            tables.append(ForceTable(label, keys.kind, *markers, size=placed, along=m))
+        return tables
 
     def placed(self, node: Node) -> Node:
         """Return a tree with the quantities of the model for those of the case."""
@@ -361,11 +361,11 @@ def force_tables(mechanism: "Mechanism", places: Places, reader: Reader) -> list
     places : places of the mechanism, with their markers
     reader : collects the quantities that the forces read
     """
-    found, friction = [], []
+    tables, friction = [], []
     for name, force in mechanism.forces.items():
         if is_along(force):
             first, *others = reader.force(name, force)
-            found.append(first)
+            tables.append(first)
             friction += others
             continue
         given = law(force)
@@ -378,8 +378,8 @@ def force_tables(mechanism: "Mechanism", places: Places, reader: Reader) -> list
                 table = replace(table, size=reader.placed(tree))
         elif given is not None:
             table = replace(table, law=law_of(given))
-        found.append(table)
-    return found + friction
+        tables.append(table)
+    return tables + friction
 
 
 def _element(name: str, force: "ElementTable", places: Places) -> ForceTable:

@@ -43,7 +43,7 @@ def rows_of(model: Model, joint: int) -> slice:
 
 
 def described_gaps(
-    model: Model, residual: Array, names: list[str], words: tuple[str, str], least: float = 1e-9
+    model: Model, residual: Array, names: list[str], labels: tuple[str, str], least: float = 1e-9
 ) -> str:
     """List the joints with residuals above `least`, largest first.
 
@@ -63,7 +63,7 @@ def described_gaps(
         shift, turn = float(np.linalg.norm(r[distance])), float(np.linalg.norm(r[~distance]))
         if max(shift, turn) > least:
             parts.append(
-                (max(shift, turn), f"{name}: {shift:.4g} {words[0]}, {turn:.4g} {words[1]}")
+                (max(shift, turn), f"{name}: {shift:.4g} {labels[0]}, {turn:.4g} {labels[1]}")
             )
     return few((text for _, text in sorted(parts, reverse=True)), "; ")
 
@@ -168,10 +168,10 @@ def _require_singular(
                 return
     gap = max(gaps, key=lambda each: float(np.abs(each).max()))
     least = 0.05 * float(np.abs(gap).max())
-    found = described_gaps(model, gap, names, ("m apart", "rad twisted"), least)
+    listed = described_gaps(model, gap, names, ("m apart", "rad twisted"), least)
     raise InputError(
         "the mechanism is locked by a small misalignment: a motion of "
-        f"{TURN:g} rad would open its joints by no more than {found}. Rigid loops need "
+        f"{TURN:g} rad would open its joints by no more than {listed}. Rigid loops need "
         "hinges that are exactly parallel, or meet in one point: give axes and positions with all "
         "digits. If the misalignment is meant, use flexible bodies, joints that leave more freedom "
         "(universal, spherical, cylindrical), or a bushing in place of a joint"
@@ -238,7 +238,7 @@ class Redundancy:
 
     def findings(self) -> list[Finding]:
         """Return what a user should know of it."""
-        found = []
+        results = []
         if self.count:
             text = (
                 f"{self.count} constraint equations follow from the others, among "
@@ -246,14 +246,14 @@ class Redundancy:
                 "their forces is not determined; the share of least norm is reported. Joints that "
                 "leave more freedom (spherical, universal, cylindrical) remove the doubt"
             )
-            found.append(REDUNDANT.finding(text, t=0.0, value=float(self.count)))
+            results.append(REDUNDANT.finding(text, t=0.0, value=float(self.count)))
         if self.singular_start:
             text = (
                 "the mechanism starts in a singular position, where it could move in more "
                 "directions than elsewhere: give velocities that say which"
             )
-            found.append(SINGULAR_START.finding(text, t=0.0))
-        return found
+            results.append(SINGULAR_START.finding(text, t=0.0))
+        return results
 
 
 def consistent_state(
@@ -413,8 +413,8 @@ def redundancy(model: Model, y: Array, names: list[str], t_end: float = 0.0) -> 
         near = _nearby(model, y, here)
         if near is not None:
             # larger tolerance: this state satisfies the joints less accurately than the start
-            found = _Rank(assemble(model, 0.0, near), model.inertia_scale, 1e3 * RANK_TOLERANCE)
-            general = found if found.value > here.value else here
+            nearby = _Rank(assemble(model, 0.0, near), model.inertia_scale, 1e3 * RANK_TOLERANCE)
+            general = nearby if nearby.value > here.value else here
     count = model.n_constraint - general.value
     if count == 0:
         return Redundancy(0, [], general.value > here.value)
@@ -484,11 +484,11 @@ def _velocities(
         return v
     if n_c == 0 or clearly_independent(model, y):  # the time is linear in the bodies
         given = np.flatnonzero(~free)
-        found = least_energy(model, 0.0, y, given, v[given])
-        moving = np.concatenate([y[: model.n_pos], found, [0.0]])
+        velocity = least_energy(model, 0.0, y, given, v[given])
+        moving = np.concatenate([y[: model.n_pos], velocity, [0.0]])
         violation = np.abs(balance(model, np.zeros(1), moving[None]).Phi_d).max(initial=0.0)
-        if violation < POSITION_TOLERANCE * max(1.0, float(np.abs(found).max())):
-            return found
+        if violation < POSITION_TOLERANCE * max(1.0, float(np.abs(velocity).max())):
+            return velocity
     equations = assemble(model, 0.0, y)
     v[free] = _least_energy(equations, model, v, free)
     residual = equations.Phi_q @ v + equations.Phi_t
@@ -524,7 +524,7 @@ def _least_energy(equations: Equations, model: Model, v: Array, free: Array) -> 
     J = equations.Phi_q[:, free] * root
     U, s, Vt = np.linalg.svd(J) if J.size else (np.eye(J.shape[0]), np.zeros(0), np.eye(J.shape[1]))
     rank = int(np.sum(s > RANK_TOLERANCE * s.max(initial=0.0)))
-    found = root * (Vt[:rank].T @ ((U[:, :rank].T @ missing) / s[:rank]))
+    change = root * (Vt[:rank].T @ ((U[:, :rank].T @ missing) / s[:rank]))
     null = root[:, None] * Vt[rank:].T
     if null.shape[1]:
         # least squares on a root of M: twice the digits of the normal equations
@@ -533,6 +533,6 @@ def _least_energy(equations: Equations, model: Model, v: Array, free: Array) -> 
         w, X = np.linalg.eigh(equations.M / size[:, None] / size)
         C = (X * np.sqrt(np.maximum(w, 0.0))).T * (size / size.max())
         still = v.copy()
-        still[free] = found
-        found = found - null @ np.linalg.lstsq(C[:, free] @ null, C @ still, rcond=None)[0]
-    return found
+        still[free] = change
+        change = change - null @ np.linalg.lstsq(C[:, free] @ null, C @ still, rcond=None)[0]
+    return change

@@ -59,11 +59,11 @@ def resting_state(model: Model, start: Start, body_names: list[str]) -> tuple[Mo
     InputError
         As `equilibrium`.
     """
-    found = equilibrium(model, start, body_names)
+    state = equilibrium(model, start, body_names)
     values = law_values(model, 0.0)
     values[:, 1:] = 0.0
     still = with_laws(model, 0.0, values)
-    return still, started(still, 0.0, resting(model, found.positions, np.zeros(model.n_vel)))
+    return still, started(still, 0.0, resting(model, state.positions, np.zeros(model.n_vel)))
 
 
 def equilibrium(model: Model, start: Start, body_names: list[str]) -> Start:
@@ -265,15 +265,15 @@ def hub_axis(built: BuiltMechanism) -> tuple[Array, Array]:
         There is none, or more than one.
     """
     driven, free = _hinges(built)
-    found = driven or free
-    lines = list(found.values())
+    axes = driven or free
+    lines = list(axes.values())
     first = lines[0] if lines else None
     if first is not None and all(_same(first, line) for line in lines[1:]):
         return first
     if first is None:
         why = "no hinge connects a body to the ground"
     else:
-        why = f"the joints {few(found)} to the ground have different axes"
+        why = f"the joints {few(axes)} to the ground have different axes"
     raise InputError(
         f"the axis of the spin is missing: {why}. Expected --axis X,Y,Z, or "
         "solver.spin = { axis = [X, Y, Z] } in the case"
@@ -336,18 +336,18 @@ def relative_equilibrium(
     """
     positions = closed(model, start.positions)
     Turning(model, positions, spin).require(joint_names)
-    found, trouble = _newton(model, positions, spin)
-    if found is None:
-        found, trouble = _from_rest(model, start, spin, body_names)
-    if found is None:
+    balanced, trouble = _newton(model, positions, spin)
+    if balanced is None:
+        balanced, trouble = _from_rest(model, start, spin, body_names)
+    if balanced is None:
         raise InputError(
             f"no relative equilibrium at a spin of {spin.rate:g} rad/s: "
             f"{pushed(model, trouble, body_names)}. Expected loads that joints, springs, "
             "elasticity and the spin can balance"
         )
-    here = Turning(model, found, spin)
+    here = Turning(model, balanced, spin)
     here.require(joint_names)
-    _require_constant(model, found, spin, body_names)
+    _require_constant(model, balanced, spin, body_names)
     return here
 
 
@@ -407,8 +407,8 @@ class Turning:
         def force(positions: Array) -> Array:
             # Rates of drives are of no effect here: multipliers are held.
             near = Turning(self.model, positions, self.spin, self.t, ready=True)
-            there, found = near.evaluated()
-            return np.asarray(found - there.Phi_q.T @ multipliers)
+            there, reached = near.evaluated()
+            return np.asarray(reached - there.Phi_q.T @ multipliers)
 
         return _stiffness(self.model, self.positions, free.Z, force)
 
@@ -551,13 +551,13 @@ def _from_rest(
     share, step, push = 0.0, 0.125, np.zeros(model.n_vel)
     while share < 1.0:
         target = min(1.0, share + step)
-        found, push = _newton(model, positions, spin._replace(rate=target * spin.rate))
-        if found is None:
+        solution, push = _newton(model, positions, spin._replace(rate=target * spin.rate))
+        if solution is None:
             step *= 0.5
             if step < LEAST_SPIN_STEP:
                 return None, push
             continue
-        positions, share, step = found, target, 2.0 * step
+        positions, share, step = solution, target, 2.0 * step
     return positions, push
 
 

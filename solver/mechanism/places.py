@@ -34,10 +34,10 @@ class Places:
         self.known: dict[str, tuple[int, Interface]] = {}
         for index, (name, body) in enumerate(bodies.items()):
             if body.kind == "rigid":
-                found = [_rigid(point, at.position) for point, at in body.interfaces.items()]
+                interfaces = [_rigid(point, at.position) for point, at in body.interfaces.items()]
             else:
-                found = list(packages[name].interfaces)
-            self.known |= {f"{name}.{i.name}": (index, i) for i in found}
+                interfaces = list(packages[name].interfaces)
+            self.known |= {f"{name}.{i.name}": (index, i) for i in interfaces}
         self.r_start = np.array([body.position for body in bodies.values()], dtype=float)
         turns = [np.radians(np.array(b.rotation_deg, dtype=float)) for b in bodies.values()]
         self.A_start = np.array([vector_to_matrix(turn) for turn in turns])

@@ -51,13 +51,13 @@ def python_functions(mechanism: "Mechanism") -> dict[str, Called]:
 
 def codes_of(mechanism: "Mechanism") -> dict[str, Any]:
     """Return the tables of the user's functions by the names of the forces that call them."""
-    found = {}
+    codes = {}
     for name, force in mechanism.forces.items():
         if is_along(force):
             for key in COORDINATE_FORCES[force.kind].keys:
                 if isinstance(key, Code):
-                    found[name] = getattr(force, key.name)
-    return found
+                    codes[name] = getattr(force, key.name)
+    return codes
 
 
 def _loaded(key: str, code: Any, spaces: dict[tuple[str, str], dict[str, Any]]) -> Called:

@@ -23,7 +23,7 @@ SEPARATED = np.radians([30.0, 50.0])  # from lift with a lag to lift without one
 
 
 def rotor_table(
-    keys: "RotorKeys", wind_laws: tuple[Law, Law], places: Places, found: Measured
+    keys: "RotorKeys", wind_laws: tuple[Law, Law], places: Places, measured: Measured
 ) -> RotorTable:
     """Return the rotor of a case; `found` gets its states.
 
@@ -40,7 +40,7 @@ def rotor_table(
     """
     centre, n = _centre(keys, places)
     known = sorted({section.polar for section in keys.sections})
-    state, forces, shape = len(found.states), [], []
+    state, forces, shape = len(measured.states), [], []
     for blade in keys.blades:
         hub = places.marker("rotor.hub", keys.hub, axes(keys.axis))
         frames, points = _frames(keys, blade, places)
@@ -57,8 +57,10 @@ def rotor_table(
             gaps = (tip - r[k]) / r[k], (r[k] - root) / max(root, 1e-3 * tip)
             shape.append([section.chord, section.width, section.offset, *gaps])
             for i, size in enumerate(SIZES):
-                found.state(StateTable(f"{name}.{i + 1}", None, constant(0.0), size, owner="rotor"))
-    assert len(found.states) == state + N_SECTION_STATE * len(forces)
+                measured.state(
+                    StateTable(f"{name}.{i + 1}", None, constant(0.0), size, owner="rotor")
+                )
+    assert len(measured.states) == state + N_SECTION_STATE * len(forces)
     wind = keys.wind
     up, along = (np.array(v) / np.linalg.norm(v) for v in (wind.up, wind.direction))
     air = [keys.air_density, len(keys.blades), tip, wind.shear_exponent, wind.reference_height]

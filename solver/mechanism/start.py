@@ -68,14 +68,14 @@ def require_inertia(
     if model.added_inertia.size == 0:
         return
     e = assemble(model, 0.0, y)
-    found = undetermined_body(e.M, e.Phi_q, model.inertia_scale, model.vel_start)
-    if found is not None and light is not None:
+    undetermined = undetermined_body(e.M, e.Phi_q, model.inertia_scale, model.vel_start)
+    if undetermined is not None and light is not None:
         model = light()
         e = assemble(model, 0.0, y)
-        found = undetermined_body(e.M, e.Phi_q, model.inertia_scale, model.vel_start)
-    if found is None:
+        undetermined = undetermined_body(e.M, e.Phi_q, model.inertia_scale, model.vel_start)
+    if undetermined is None:
         return
-    body, direction = found
+    body, direction = undetermined
     name = f"bodies.{body_names[body]}" if body < len(body_names) else "a virtual body"
     turns = float(abs(direction[3:]).max()) > 1e-6
     vector = direction[3:] if turns else direction[:3]
@@ -138,10 +138,10 @@ def quasi_static_state(
             raise _not_converged(body_names, energies, joined=joined)
         shapes.append(np.concatenate([R @ y[_shape(model, i)] for i, R in enumerate(roots)]))
         steps.append(np.concatenate(scaled))
-        found = _next(np.array(shapes[-_KEPT - 1 :]), np.array(steps[-_KEPT - 1 :]))
+        combination = _next(np.array(shapes[-_KEPT - 1 :]), np.array(steps[-_KEPT - 1 :]))
         before, y, k = y, y.copy(), 0
         for i, R in enumerate(roots):
-            y[_shape(model, i)] = np.linalg.solve(R, found[k : k + len(R)])
+            y[_shape(model, i)] = np.linalg.solve(R, combination[k : k + len(R)])
             k += len(R)
         if tree:
             y[: model.n_pos] = _carried(model, before, y)
@@ -152,7 +152,7 @@ def quasi_static_state(
         velocities = _velocities_there(model, start, undeformed, y)
         deformed = replace(start, positions=y[: model.n_pos], velocities=velocities)
         y = consistent_state(model, deformed, joint_names, deforming=joined, moved=True)
-        if energies.sum() <= SHAPES_SETTLED**2 * float(found @ found):
+        if energies.sum() <= SHAPES_SETTLED**2 * float(combination @ combination):
             break
     else:
         raise _not_converged(body_names, energies, joined=joined)
@@ -309,8 +309,8 @@ def starting_state(
             y = relative_equilibrium(model, closed, spin, joint_names, body_names).y
             _require_drives(model, y, spin, joint_names)
         else:
-            found = equilibrium(model, closed, body_names)
-            y = consistent_state(model, found, joint_names)
+            state = equilibrium(model, closed, body_names)
+            y = consistent_state(model, state, joint_names)
     elif kind == "quasi-static":
         y = quasi_static_state(model, start, y, joint_names, body_names)
     require_inertia(model, y, body_names, light=light)
@@ -361,28 +361,28 @@ def moved_findings(mechanism: "Mechanism", built: BuiltMechanism, y0: Array) -> 
     still = _at_given_coordinates(built)
     given = np.concatenate([start.positions, np.zeros(model.n_vel), model.quantities.start, [0.0]])
     y = with_closed_joints(still, given)
-    closes, found = frames_close(still, y), []
+    closes, moved = frames_close(still, y), []
     for share, i, distance, angle in _moved(model, given, y, body_names):
         name, place = body_names[i], y[int(model.pos_start[i]) :][:7]
         keys = _keys(place) if closes and not getattr(bodies.get(name), "part_of", None) else ""
         by = f"{round(distance, 12):.3g} m and {round(np.degrees(angle), 9):.3g} deg"
-        found.append((share, f"{name} by {by}{keys}"))
-    if not found:
+        moved.append((share, f"{name} by {by}{keys}"))
+    if not moved:
         return []
-    places = few((words for _, words in sorted(found, reverse=True)), "; ")
+    places = few((place_text for _, place_text in sorted(moved, reverse=True)), "; ")
     text = (
         f"to close the joints at the start, bodies were moved from their given places: {places}. "
         "If this is the start that is meant, give these values [m, deg]; if not, check lengths, "
         "ground points, axes and positions"
     )
-    return [START_MOVED.finding(text, t=0.0, value=max(found)[0])]
+    return [START_MOVED.finding(text, t=0.0, value=max(moved)[0])]
 
 
 def _moved(
     model: Model, given: Array, y: Array, body_names: list[str]
 ) -> list[tuple[float, int, float, float]]:
     """Return share, index, distance [m] and angle [rad] of bodies beyond the limit in y."""
-    size, found = extent(model, y), []
+    size, moved = extent(model, y), []
     for i in range(len(body_names)):
         a = int(model.pos_start[i])
         turn = rotation_matrix(given[a + 3 : a + 7]).T @ rotation_matrix(y[a + 3 : a + 7])
@@ -390,8 +390,8 @@ def _moved(
         distance = float(np.linalg.norm(y[a : a + 3] - given[a : a + 3]))
         share = max(angle, distance / size if given[a : a + 3].any() else 0.0)
         if share > START_MOVED.limit:
-            found.append((share, i, distance, angle))
-    return found
+            moved.append((share, i, distance, angle))
+    return moved
 
 
 def _keys(place: Array) -> str:

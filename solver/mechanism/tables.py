@@ -353,18 +353,18 @@ def _feedback(
     """Return `feedback`, and pairs of `fed_row` and `fed_coordinate`; none of too many forces."""
     reading = {k: _others(size, along) for k, (size, along) in enumerate(forces) if along >= 0}
     behind = [_others(states[j].rate, forces[k][1]) for k, j in coupled]
-    found = [
+    inputs = [
         k
         for k, others in reading.items()
         if others
         or _reacts(forces[k][0])
         or any(m for (force, _), m in zip(coupled, behind, strict=True) if force == k)
     ]
-    if not 0 < len(found) <= MOST_FEEDBACK:
+    if not 0 < len(inputs) <= MOST_FEEDBACK:
         return [], []
-    pairs = [(i, m) for i, k in enumerate(found) for m in reading[k]]
-    pairs += [(len(found) + p, m) for p, others in enumerate(behind) for m in others]
-    return found, pairs
+    pairs = [(i, m) for i, k in enumerate(inputs) for m in reading[k]]
+    pairs += [(len(inputs) + p, m) for p, others in enumerate(behind) for m in others]
+    return inputs, pairs
 
 
 def _others(node: Node | None, along: int) -> list[int]:

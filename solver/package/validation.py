@@ -84,12 +84,12 @@ def write_valid(path: Path, package: ModalPackage, source: str, *, own: bool = F
         with temporary_sibling(path, own=own) as temporary:
             write_package(temporary, package)  # compares numbers with each other
             # what this program computed is not read again
-            found = list(MODAL_PACKAGE.doubts(package)) if own else validate(temporary)
-            raise_first(temporary, found)
+            remarks = list(MODAL_PACKAGE.doubts(package)) if own else validate(temporary)
+            raise_first(temporary, remarks)
     except PackageError as error:
-        words = str(error).removeprefix(f"{temporary}: ").removeprefix("/modal_package/")
-        part = next((text for name, text in PARTS.items() if words.startswith(name)), "")
-        raise InputError(f"{source}: {part}no valid package is made of it: {words}") from error
+        message = str(error).removeprefix(f"{temporary}: ").removeprefix("/modal_package/")
+        part = next((text for name, text in PARTS.items() if message.startswith(name)), "")
+        raise InputError(f"{source}: {part}no valid package is made of it: {message}") from error
 
 
 def _attributes(file: h5py.File, known: FileFormat) -> list[Remark]:

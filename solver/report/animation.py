@@ -35,13 +35,13 @@ def viewed_bodies(result: RunResult, file: Path) -> list[tuple[BodyGeometry, Bod
     InputError
         A body has no view.
     """
-    found = [(body, body.view) for body in result.bodies if body.view is not None]
-    if not found or len(found) < len(result.bodies):
+    viewed = [(body, body.view) for body in result.bodies if body.view is not None]
+    if not viewed or len(viewed) < len(result.bodies):
         raise InputError(
             f"{file}: has no surfaces of bodies; expected a result of format 1.2 or later: "
             "run the case again"
         )
-    return found
+    return viewed
 
 
 def drawn_points(body: BodyGeometry, view: BodyView) -> tuple[Array, Array]:
@@ -240,8 +240,8 @@ def write_vtk(path: Path, result_file: Path) -> Path:
         points, cells = _write_grid(grid, bodies, np.asarray(result.t[rows]))
         drawn = [(view, *drawn_points(body, view)) for body, view in bodies]
         for k, row in enumerate(rows.tolist()):
-            found = _frame(drawn, np.asarray(result.q[row]))
-            for name, values in found.items():
+            frame = _frame(drawn, np.asarray(result.q[row]))
+            for name, values in frame.items():
                 count = cells if name.startswith("CellData") else points
                 grid[name][k * count : (k + 1) * count] = values
         write_file_checksum(file)

@@ -131,11 +131,13 @@ def strength_section(stories: list[Story]) -> str:
     judged = [story for story in stories if story.summary.get("strength")]
     if not judged:
         return ""
-    bodies = [(s, body, found) for s in judged for body, found in s.summary["strength"].items()]
+    bodies = [
+        (s, body, strength) for s in judged for body, strength in s.summary["strength"].items()
+    ]
     weakest = [
-        (story, body, found)
+        (story, body, strength)
         for story, body, whole in bodies
-        for found in whole.get("plies", [])[:PLIES_SHOWN]
+        for strength in whole.get("plies", [])[:PLIES_SHOWN]
     ]
     tables = table("Lowest strength ratio of each body", HEAD, _rows(bodies))
     if len(weakest) > len(bodies):
@@ -144,10 +146,10 @@ def strength_section(stories: list[Story]) -> str:
     return section("strength", "Strength", tables)
 
 
-def _rows(found: list[tuple[Story, str, dict[str, Any]]]) -> list[Row]:
+def _rows(strengths: list[tuple[Story, str, dict[str, Any]]]) -> list[Row]:
     """Return rows of lowest strength ratios: story, body, entry of summary.json."""
     rows: list[Row] = []
-    for story, body, entry in found:
+    for story, body, entry in strengths:
         ply = entry["ply"]
         ratio = number(entry["ratio"], 4)
         shown = f"<span class='badge bad'>{ratio}</span>" if fails(entry) else ratio
@@ -185,7 +187,7 @@ def _jump(story: Story, body: str, entry: dict[str, Any]) -> str:
 
 def worst(story: Story) -> list[dict[str, object]]:
     """Return body, node, time and text of the weakest ply of each body, the weakest first."""
-    found = sorted(
+    weakest = sorted(
         (
             (entry["ratio"], body, entry)
             for body, entry in story.summary.get("strength", {}).items()
@@ -200,7 +202,7 @@ def worst(story: Story) -> list[dict[str, object]]:
             "time": entry["time"],
             "text": ply_text(entry),
         }
-        for _, body, entry in found
+        for _, body, entry in weakest
     ]
 
 
@@ -237,9 +239,9 @@ def place(story: Story, body: str, entry: dict[str, Any]) -> int | None:
     return None
 
 
-def fails(found: dict[str, Any]) -> bool:
+def fails(entry: dict[str, Any]) -> bool:
     """True if a ply of a body fails, from its entry in summary.json."""
-    return found["ratio"] is not None and found["ratio"] < 1.0
+    return entry["ratio"] is not None and entry["ratio"] < 1.0
 
 
 def fatigue_section(stories: list[Story]) -> str:
@@ -250,13 +252,13 @@ def fatigue_section(stories: list[Story]) -> str:
         [
             name_of(story),
             escape(signal),
-            figures(found["damage"], 4),
-            figures(found["repetitions"], 4),
-            figures(found["cycles"], 6),
-            figures(found["largest_range"], 4),
+            figures(entry["damage"], 4),
+            figures(entry["repetitions"], 4),
+            figures(entry["cycles"], 6),
+            figures(entry["largest_range"], 4),
         ]
         for story in stories
-        for signal, found in story.summary.get("fatigue", {}).items()
+        for signal, entry in story.summary.get("fatigue", {}).items()
     ]
     if not rows:
         return ""

@@ -29,10 +29,10 @@ def draw_balance(path: Path, story: Story) -> Path:
     result = story.result
     canvas = Canvas(5.4, 5.2)
     top, middle, bottom = canvas.panels(3, sharex=True, height_ratios=[1.5, 1, 1])
-    for i, (name, words) in enumerate(WORDS.items()):
+    for i, (name, legend) in enumerate(WORDS.items()):
         values = result.energies[name]
         values = values - values[0] if name == "potential" else values
-        top.plot(result.t, values, color=colour(i), label=words)
+        top.plot(result.t, values, color=colour(i), label=legend)
     title = story.title
     if story.stopped:
         title += f" (stopped at {result.t[-1]:.4g} s)"
@@ -52,8 +52,8 @@ def draw_balance(path: Path, story: Story) -> Path:
     if shown:
         bottom.legend(ncols=3, columnspacing=1.2, handlelength=1.4, **above)
     else:
-        words = "zero" if result.violations else "not recorded by this run"
-        bottom.text(0.5, 0.5, words, transform=bottom.transAxes, ha="center", color=GREY)
+        legend = "zero" if result.violations else "not recorded by this run"
+        bottom.text(0.5, 0.5, legend, transform=bottom.transAxes, ha="center", color=GREY)
         bottom.set_yticks([])
     top.set_xlim(0, max(float(result.t[-1]), 1e-12))
     for axes in (top, middle, bottom):
@@ -199,8 +199,8 @@ def draw_exposure(path: Path, story: Story) -> Path:
     bodies = story.summary["strength"]
     canvas = Canvas(5.4, 0.9 + 2.1 * len(bodies))
     # Far from failure, the line of failure would compress the curves onto the axis.
-    for axes, (name, found) in zip(canvas.panels(len(bodies)), bodies.items(), strict=True):
-        along = found["along_beam"]
+    for axes, (name, entry) in zip(canvas.panels(len(bodies)), bodies.items(), strict=True):
+        along = entry["along_beam"]
         for i, (criterion, values) in enumerate(along["exposure"].items()):
             shade, dash = colour(i), DASHES[i % len(DASHES)]
             axes.plot(along["x"], values, color=shade, linestyle=dash, label=criterion)
@@ -295,14 +295,14 @@ def outermost_point(points: Array) -> int:
 
 def segments(body: BodyGeometry, own: Array) -> list[Array]:
     """Return the polylines of a body's cells, surfaces by their outline."""
-    found = []
+    closed_rows = []
     for begin, end, kind in zip(body.offsets[:-1], body.offsets[1:], body.cell_types, strict=True):
         rows = body.connectivity[begin:end]
         closed = kind not in (1, 2, 3, 4, 21)  # points, lines, polylines, quadratic edges
         if kind == 21:
             rows = rows[[0, 2, 1]]
-        found.append(own[np.append(rows, rows[0]) if closed else rows])
-    return found
+        closed_rows.append(own[np.append(rows, rows[0]) if closed else rows])
+    return closed_rows
 
 
 def _words(axes: Any, story: Story, path: Array) -> None:
@@ -383,7 +383,7 @@ def draw_spectrum(path: Path, wanted: Comparison, stories: list[Story]) -> Path:
         axes.set_ylim(SMALLEST * largest, 2.0 * largest)
     axes.set_title(wanted.title)
     axes.set_xlabel("frequency [Hz]")
-    words = signal.description or signal.name
-    axes.set_ylabel(f"amplitude: {words}{unit_text(signal.unit)}")
+    label = signal.description or signal.name
+    axes.set_ylabel(f"amplitude: {label}{unit_text(signal.unit)}")
     canvas.figure.legend(loc="outside lower center", ncols=min(3, len(stories)))
     return canvas.save(path)

@@ -19,27 +19,29 @@ LEFT, RIGHT, TOP, BOTTOM = 62, 14, 14, 44
 SYMBOLS = {"model": "fid-model", "chosen": "fid-chosen", "check": "fid-check"}
 
 
-def chart(found: Mapping[str, Any], title: str) -> str:
+def chart(fidelity: Mapping[str, Any], title: str) -> str:
     """Return the chart of a ladder (plain data of `fidelity.ladder.Ladder`); "" without points.
 
     Models with an error of zero or without end are left out.
     """
-    points = [(r["cpu"], r["error"], r["name"], "model") for r in found["rungs"]]
+    points = [(r["cpu"], r["error"], r["name"], "model") for r in fidelity["rungs"]]
     points += [
-        (found[key]["cpu"], found[key]["error"], found[key]["name"], key)
+        (fidelity[key]["cpu"], fidelity[key]["error"], fidelity[key]["name"], key)
         for key in ("chosen", "check")
     ]
     shown = [p for p in points if p[0] > 0.0 and 0.0 < p[1] < 1e6]
     if not shown:
         return ""
     x = _Axis([p[0] for p in shown], LEFT, WIDTH - RIGHT)
-    sizes = [p[1] for p in shown] + [v for v in (found["asked"], found["estimate"]) if v > 0.0]
+    sizes = [p[1] for p in shown] + [
+        v for v in (fidelity["asked"], fidelity["estimate"]) if v > 0.0
+    ]
     y = _Axis(sizes, HEIGHT - BOTTOM, TOP)
     parts = [*_grid(x, y)]
     best = [shown[i] for i in front([p[:2] for p in shown])]
     line = " ".join(f"{x(p[0]):.1f},{y(p[1]):.1f}" for p in best)
     parts.append(f"<polyline class='fid-front' fill='none' points='{line}'/>")
-    asked = y(found["asked"])
+    asked = y(fidelity["asked"])
     parts.append(_level("fid-asked", LEFT, WIDTH - RIGHT, asked))
     parts.append(
         f"<text class='fid-asked' x='{WIDTH - RIGHT - 4}' y='{asked - 4:.1f}' "
@@ -47,8 +49,8 @@ def chart(found: Mapping[str, Any], title: str) -> str:
     )
     for cpu, error, name, kind in shown:
         parts.append(_symbol(kind, x(cpu), y(error), f"{name}: {cpu:.3g} s, error {error:.1e}"))
-    if found["estimate"] > 0.0 and found["chosen"]["cpu"] > 0.0:
-        at, height = x(found["chosen"]["cpu"]), y(found["estimate"])
+    if fidelity["estimate"] > 0.0 and fidelity["chosen"]["cpu"] > 0.0:
+        at, height = x(fidelity["chosen"]["cpu"]), y(fidelity["estimate"])
         parts.append(_level("fid-estimate", at - 9, at + 9, height))
     label = escape(f"Error against CPU time of the models of {title}", quote=True)
     return (
@@ -79,37 +81,37 @@ class _Axis:
 
 def _grid(x: _Axis, y: _Axis) -> list[str]:
     low, right = HEIGHT - BOTTOM, WIDTH - RIGHT
-    found = []
+    lines = []
     for n in x.decades():
         at = f"{x(10.0**n):.1f}"
-        found.append(f"<line class='fid-grid' x1='{at}' x2='{at}' y1='{TOP}' y2='{low}'/>")
-        found.append(f"<text x='{at}' y='{low + 16}' text-anchor='middle'>{10.0**n:g}</text>")
+        lines.append(f"<line class='fid-grid' x1='{at}' x2='{at}' y1='{TOP}' y2='{low}'/>")
+        lines.append(f"<text x='{at}' y='{low + 16}' text-anchor='middle'>{10.0**n:g}</text>")
     for n in y.decades():
         height = y(10.0**n)
-        found.append(_level("fid-grid", LEFT, right, height))
-        found.append(f"<text x='{LEFT - 6}' y='{height + 4:.1f}' text-anchor='end'>1e{n}</text>")
+        lines.append(_level("fid-grid", LEFT, right, height))
+        lines.append(f"<text x='{LEFT - 6}' y='{height + 4:.1f}' text-anchor='end'>1e{n}</text>")
     middle = (LEFT + right) / 2
-    found.append(
+    lines.append(
         f"<text x='{middle}' y='{HEIGHT - 8}' text-anchor='middle'>CPU time of a run [s]</text>"
     )
-    found.append(
+    lines.append(
         f"<text transform='translate(14 {(TOP + low) / 2}) rotate(-90)' text-anchor='middle'>"
         "error / largest value</text>"
     )
-    return found
+    return lines
 
 
 def _level(kind: str, x1: float, x2: float, y: float) -> str:
     return f"<line class='{kind}' x1='{x1:.1f}' x2='{x2:.1f}' y1='{y:.1f}' y2='{y:.1f}'/>"
 
 
-def _symbol(kind: str, x: float, y: float, words: str) -> str:
+def _symbol(kind: str, x: float, y: float, title: str) -> str:
     shapes = {
         "model": f"<circle cx='{x:.1f}' cy='{y:.1f}' r='3.5'/>",
         "chosen": f"<path d='M{x:.1f} {y - 7:.1f} l7 7 l-7 7 l-7 -7 z'/>",
         "check": f"<rect x='{x - 5:.1f}' y='{y - 5:.1f}' width='10' height='10'/>",
     }
-    return f"<g class='{SYMBOLS[kind]}'><title>{escape(words)}</title>{shapes[kind]}</g>"
+    return f"<g class='{SYMBOLS[kind]}'><title>{escape(title)}</title>{shapes[kind]}</g>"
 
 
 # The section of report.html on runs with [fidelity]: asked, model, estimate, not checked.
@@ -131,16 +133,16 @@ def with_ladder(case_dir: Path, story: Story) -> Story:
 
     Otherwise, and if the file is damaged, the chart has the models that planning has tried.
     """
-    found = story.summary.get("fidelity")
-    if found is None:
+    fidelity = story.summary.get("fidelity")
+    if fidelity is None:
         return story
     try:
         ladder = json.loads(ladder_file(case_dir, story.name).read_text(encoding="utf-8"))
-        if (ladder["plan"], ladder["asked"]) != (found["plan"], found["asked"]):
+        if (ladder["plan"], ladder["asked"]) != (fidelity["plan"], fidelity["asked"]):
             return story
     except (OSError, ValueError, KeyError, TypeError):
         return story
-    return replace(story, summary={**story.summary, "fidelity": {**found, "ladder": ladder}})
+    return replace(story, summary={**story.summary, "fidelity": {**fidelity, "ladder": ladder}})
 
 
 def fidelity_section(stories: list[Story]) -> str:
@@ -165,36 +167,36 @@ def _overview(stories: list[Story]) -> str:
     head += ["delivered run", "its error at most", "CPU [s]"]
     rows: list[Row] = []
     for story in stories:
-        found = story.summary["fidelity"]
-        for name, scale in found["scale"].items():
-            estimate = (found["estimate"] or {}).get(name)
-            delivered = found.get("delivered", {"run": "", "error_at_most": {}})
+        fidelity = story.summary["fidelity"]
+        for name, scale in fidelity["scale"].items():
+            estimate = (fidelity["estimate"] or {}).get(name)
+            delivered = fidelity.get("delivered", {"run": "", "error_at_most": {}})
             most = delivered["error_at_most"].get(name)
             rows.append(
                 [
                     name_of(story),
-                    figures(found["asked"]),
-                    escape(found["metric"]),
-                    CHECKED.get(found["verdict"], escape(found["verdict"])),
+                    figures(fidelity["asked"]),
+                    escape(fidelity["metric"]),
+                    CHECKED.get(fidelity["verdict"], escape(fidelity["verdict"])),
                     escape(name),
                     figures(scale),
                     "none" if estimate is None else Cell(f"{estimate:.1e}", estimate),
                     escape(delivered["run"]),
                     "not estimated" if most is None else Cell(f"{most:.1e}", most),
-                    figures(sum(found["cpu"].values())),
+                    figures(sum(fidelity["cpu"].values())),
                 ]
             )
     return table("Accuracy asked and estimated", head, rows)
 
 
 def _details(story: Story) -> str:
-    found = story.summary["fidelity"]
-    parts = [f"<h3>{name_of(story)}</h3>", _words(found), _plan(found["plan"])]
-    if found["shares"]:
-        parts.append(_shares(found["shares"]))
-    if found.get("ladder"):
-        parts.append(chart(found["ladder"], story.title))
-        drawn = found["ladder"]["check"]["error"] > 0.0
+    fidelity = story.summary["fidelity"]
+    parts = [f"<h3>{name_of(story)}</h3>", _words(fidelity), _plan(fidelity["plan"])]
+    if fidelity["shares"]:
+        parts.append(_shares(fidelity["shares"]))
+    if fidelity.get("ladder"):
+        parts.append(chart(fidelity["ladder"], story.title))
+        drawn = fidelity["ladder"]["check"]["error"] > 0.0
         richest = (
             "square: the check. Errors are differences from the richest model."
             if drawn
@@ -205,23 +207,23 @@ def _details(story: Story) -> str:
             "<p>Circles: models that were tried; line: their front; diamond: the chosen model, "
             f"with its estimate as a bar; {richest}</p>"
         )
-    items = "".join(f"<li>{escape(text)}</li>" for text in found["not_checked"])
+    items = "".join(f"<li>{escape(text)}</li>" for text in fidelity["not_checked"])
     parts.append(f"<p>Not checked:</p><ul>{items}</ul>")
     return "\n".join(parts)
 
 
-def _words(found: Mapping[str, Any]) -> str:
+def _words(fidelity: Mapping[str, Any]) -> str:
     lines = []
-    if found["reason"]:
-        lines.append(f"{CHECKED.get(found['verdict'], '')}: {found['reason']}.")
-    if found["base"] != "rigid":
-        lines.append(f"The bodies cannot all be rigid: {found['base']}.")
-    if found["horizon"] is not None:
+    if fidelity["reason"]:
+        lines.append(f"{CHECKED.get(fidelity['verdict'], '')}: {fidelity['reason']}.")
+    if fidelity["base"] != "rigid":
+        lines.append(f"The bodies cannot all be rigid: {fidelity['base']}.")
+    if fidelity["horizon"] is not None:
         lines.append(
-            f"From t = {found['horizon']:.4g} s on, a change of the masses by 1e-6 has grown to "
+            f"From t = {fidelity['horizon']:.4g} s on, a change of the masses by 1e-6 has grown to "
             "the accuracy: the estimate holds for this very run only."
         )
-    lines += [f"{text[0].upper()}{text[1:]}." for text in found.get("theories", [])]
+    lines += [f"{text[0].upper()}{text[1:]}." for text in fidelity.get("theories", [])]
     return "".join(f"<p>{escape(line)}</p>" for line in lines)
 
 

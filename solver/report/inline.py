@@ -89,23 +89,23 @@ def histories(blob: Blob, result: RunResult, share: int) -> dict[str, Any]:
     """
     groups = {
         "signals": [(s.name, s.unit, s.description or s.name, s.values) for s in result.signals],
-        "energies": [(n, "J", words, _from_start(n, result)) for n, words in WORDS.items()],
+        "energies": [(n, "J", label, _from_start(n, result)) for n, label in WORDS.items()],
         "balance": [("balance", "-", "error of the energy balance", result.relative_balance)],
         "violations": [(n, UNITS.get(n, "-"), n, v) for n, v in result.violations.items()],
     }
     every = [np.asarray(each[3]) for group in groups.values() for each in group]
     rows = chosen_rows(every, len(result.t), max(share // (len(every) + 2), FEWEST))
-    found: dict[str, object] = {
+    table: dict[str, object] = {
         "t": blob.add(np.asarray(result.t)[rows], "<f8"),
         "complete": len(rows) == len(result.t),
         "steps": len(result.t),
     }
     for name, group in groups.items():
-        found[name] = [
+        table[name] = [
             {"name": n, "unit": unit, "text": text, "values": blob.add(np.asarray(values)[rows])}
             for n, unit, text, values in group
         ]
-    return found
+    return table
 
 
 def chosen_rows(series: list[Array], k: int, most: int) -> IntArray:

@@ -217,19 +217,19 @@ def _draw(drawing: Drawing) -> None:
 
 def _keys(file: Path) -> dict[str, str]:
     try:
-        found = json.loads(file.read_text(encoding="utf-8"))
+        keys = json.loads(file.read_text(encoding="utf-8"))
     except (OSError, ValueError):
         return {}
-    return found if isinstance(found, dict) else {}
+    return keys if isinstance(keys, dict) else {}
 
 
 def _key(drawing: Drawing) -> str:
     """Digest of a figure's data, of the code that draws it and of matplotlib's version."""
-    found = hashlib.sha256(drawing.content.encode())
-    found.update(drawing.draw.__name__.encode())
-    found.update(version().encode())
-    found.update(sources_sha256("solver/report").encode())
-    return found.hexdigest()
+    hasher = hashlib.sha256(drawing.content.encode())
+    hasher.update(drawing.draw.__name__.encode())
+    hasher.update(version().encode())
+    hasher.update(sources_sha256("solver/report").encode())
+    return hasher.hexdigest()
 
 
 @cache
@@ -300,9 +300,9 @@ def make_report(
             for name in filter(None, (wanted.signal, wanted.against)):
                 by_name[run].signal(name)
     if drawn_as:
-        found = _drawings(case_dir, stories, shown)
+        drawings = _drawings(case_dir, stories, shown)
         same = [
-            [d._replace(path=d.path.with_suffix(f".{form}")) for form in drawn_as] for d in found
+            [d._replace(path=d.path.with_suffix(f".{form}")) for form in drawn_as] for d in drawings
         ]
         draw_all(case_dir, [drawing for each in same for drawing in each])
     title = str(case.get("title") or stories[0].result.case)
@@ -347,18 +347,18 @@ def _content(
 
     results : digest of result.vtkhdf, by run; formats : of the figures
     """
-    found = hashlib.sha256(
+    hasher = hashlib.sha256(
         json.dumps([runs, case, results, formats, version() if formats else ""]).encode()
     )
-    found.update(sources_sha256("solver/report").encode())
+    hasher.update(sources_sha256("solver/report").encode())
     for file in study_files(case_dir):
-        found.update(file_sha256(file).encode())
+        hasher.update(file_sha256(file).encode())
     for run in runs:
         own = case_dir / run / "summary.json", case_dir / "runs" / f"{run}.json"
         for file in (*own, ladder_file(case_dir, run)):
             if file.is_file():
-                found.update(file_sha256(file).encode())
-    return found.hexdigest()
+                hasher.update(file_sha256(file).encode())
+    return hasher.hexdigest()
 
 
 def _of_run(

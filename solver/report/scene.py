@@ -60,8 +60,8 @@ Points = Callable[[Sites, IntArray, Array], Array]  # stresses (k, s, p, 6) of p
 
 def _of_points(sites: Sites, q: Array, of_points: Points) -> tuple[Array, IntArray]:
     """Largest value of the governing points of each site, (k, s), and the point that has it."""
-    found = np.full((len(q), len(sites.kind)), np.nan)
-    which = np.zeros(found.shape, dtype=np.int64)
+    most = np.full((len(q), len(sites.kind)), np.nan)
+    which = np.zeros(most.shape, dtype=np.int64)
     for kind in range(len(sites.compliance)):
         own = np.flatnonzero(sites.kind == kind)
         points = np.flatnonzero(sites.point_kind == kind)
@@ -73,26 +73,26 @@ def _of_points(sites: Sites, q: Array, of_points: Points) -> tuple[Array, IntArr
             F = np.einsum("sjm,km->ksj", sites.resultants_E[rows], q, optimize=True)
             stress_M = np.einsum("pij,ksj->kspi", sites.stress_M[points], F, optimize=True)
             values = of_points(sites, points, stress_M)
-            found[:, rows] = values.max(axis=2)
+            most[:, rows] = values.max(axis=2)
             which[:, rows] = points[np.argmax(values, axis=2)]
-    return found, which
+    return most, which
 
 
 def _exposures(sites: Sites, points: IntArray, stress_M: Array) -> Array:
-    found = np.zeros(stress_M.shape[:3])
+    exposures = np.zeros(stress_M.shape[:3])
     for strength, same in _strengths(sites, points):
         some = stress_M[:, :, same]
         each = [criterion.assess(some, strength).exposure for criterion in criteria_of(strength)]
-        found[:, :, same] = np.max(each, axis=0)
-    return found
+        exposures[:, :, same] = np.max(each, axis=0)
+    return exposures
 
 
 def _stresses(sites: Sites, points: IntArray, stress_M: Array) -> Array:
-    found = np.abs(stress_M[..., 0])
+    stresses = np.abs(stress_M[..., 0])
     for strength, same in _strengths(sites, points):
         if isinstance(strength, YieldStrength):
-            found[:, :, same] = equivalent_stress(stress_M[:, :, same])
-    return found
+            stresses[:, :, same] = equivalent_stress(stress_M[:, :, same])
+    return stresses
 
 
 def _strengths(
@@ -167,8 +167,10 @@ def largest_displacement(view: BodyView, q: Array) -> float:
     step = max(1, AT_ONCE // max(U.shape[1], 1))
     largest = 0.0
     for first in range(0, len(q), step):
-        found = (q[first : first + step] @ U).reshape(-1, 3)
-        largest = max(largest, float(np.einsum("ni,ni->n", found, found).max(initial=0.0)))
+        displacements = (q[first : first + step] @ U).reshape(-1, 3)
+        largest = max(
+            largest, float(np.einsum("ni,ni->n", displacements, displacements).max(initial=0.0))
+        )
     return float(np.sqrt(largest))
 
 
@@ -277,23 +279,23 @@ def _loads(blob: Blob, loads: Loads | None, origin: Array, share: int) -> dict[s
         "force": loads.load_G[..., :3],
         "moment": loads.load_G[..., 3:],
     }
-    found: dict[str, object] = {"names": loads.names, "t": blob.add(loads.t[rows], "<f8")}
+    table: dict[str, object] = {"names": loads.names, "t": blob.add(loads.t[rows], "<f8")}
     for name, values in arrays.items():  # (r, n, 3) in steps of the largest, enough for a picture
         top = float(np.abs(values).max(initial=0.0)) or 1.0
         steps = blob.add(np.round(HALF + HALF * (values[rows] / top)), "<u2")
         length = float(np.linalg.norm(values, axis=2).max(initial=0.0))
-        found[name] = {"top": top, "steps": steps, "longest": length}
-    return found
+        table[name] = {"top": top, "steps": steps, "longest": length}
+    return table
 
 
 def _peaks(story: Story) -> list[float]:
     """Times that the page jumps to: peaks of signals, of plies, and of findings."""
     summary = story.summary
-    found = [s.get(key) for s in summary.get("signals", {}).values() for key in ("t_min", "t_max")]
+    times = [s.get(key) for s in summary.get("signals", {}).values() for key in ("t_min", "t_max")]
     for body in summary.get("strength", {}).values():
-        found += [body.get("time"), *(ply.get("time") for ply in body.get("plies", [])[:5])]
-    found += [finding.t for finding in findings(summary)]
-    return [float(value) for value in found if value is not None]
+        times += [body.get("time"), *(ply.get("time") for ply in body.get("plies", [])[:5])]
+    times += [finding.t for finding in findings(summary)]
+    return [float(value) for value in times if value is not None]
 
 
 def _largest_exposure(story: Story, body: str) -> float:
@@ -374,21 +376,21 @@ def _sites(blob: Blob, sites: Sites, q: Array) -> dict[str, object]:
     unit = np.eye(q.shape[1])
     both = np.concatenate([unit, -unit])
     fields = {"energy": (site_energy, unit)}
-    found: dict[str, object] = {"dimension": sites.dimension}
+    table: dict[str, object] = {"dimension": sites.dimension}
     if len(sites.stress_M):
         fields |= {"exposure": (site_exposure, both), "stress": (site_stress, both)}
         used, ply = np.unique(weakest_ply(sites, q), return_inverse=True)
-        found["ply"] = blob.add(ply, "|u1" if len(used) < STEPS else "<u4")
-        found["plies"] = [_ply_name(sites, row) for row in used.tolist()]
+        table["ply"] = blob.add(ply, "|u1" if len(used) < STEPS else "<u4")
+        table["plies"] = [_ply_name(sites, row) for row in used.tolist()]
     for name, (field, alone) in fields.items():
         values = np.nan_to_num(field(sites, q))
         top = float(values.max(initial=0.0)) or 1.0
-        found[name] = {
+        table[name] = {
             "top": top,
             "steps": blob.add(np.round(STEPS / top * values), "|u1"),  # (k, s)
             "alone": blob.add(np.nan_to_num(field(sites, alone))),  # (m or 2m, s)
         }
-    return found
+    return table
 
 
 def _ply_name(sites: Sites, row: int) -> str:
@@ -435,7 +437,7 @@ def _ground(
 def _pairs(links: list[Link], bodies: tuple[BodyGeometry, ...]) -> list[dict[str, object]]:
     """Both sides of each joint: body and row of its nodes; of the ground a position."""
     counts = {number: len(body.nodes_B) for number, body in enumerate(bodies)}
-    found = []
+    pairs = []
     for link in links:
         sides = []
         for side in link.sides:
@@ -445,5 +447,5 @@ def _pairs(links: list[Link], bodies: tuple[BodyGeometry, ...]) -> list[dict[str
             elif side.body in counts:
                 counts[side.body] += 1
         coil = link.kind in FORCES
-        found.append({"name": link.name, "kind": link.kind, "sides": sides, "coil": coil})
-    return found
+        pairs.append({"name": link.name, "kind": link.kind, "sides": sides, "coil": coil})
+    return pairs

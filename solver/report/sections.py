@@ -58,11 +58,12 @@ def table(caption: str, head: Sequence[str], rows: Sequence[Row]) -> str:
     head : headings of the columns
     rows : cells of each row
     """
-    words = [any(_is_text(row[k]) for row in rows) for k in range(len(head))]
+    textual = [any(_is_text(row[k]) for row in rows) for k in range(len(head))]
     top = "".join(
-        f"<th scope='col'{_side(word)}>{text}</th>" for text, word in zip(head, words, strict=True)
+        f"<th scope='col'{_side(word)}>{text}</th>"
+        for text, word in zip(head, textual, strict=True)
     )
-    body = "".join(f"<tr>{_cells(row, words)}</tr>" for row in rows)
+    body = "".join(f"<tr>{_cells(row, textual)}</tr>" for row in rows)
     return (
         f"<div class='scroll' tabindex='0' role='region' aria-label='{escape(caption)}'>"
         f"<table class='sortable'><caption>{escape(caption)}</caption>"
@@ -70,13 +71,13 @@ def table(caption: str, head: Sequence[str], rows: Sequence[Row]) -> str:
     )
 
 
-def _cells(row: Row, words: Sequence[bool]) -> str:
-    found = []
-    for k, (item, word) in enumerate(zip(row, words, strict=True)):
+def _cells(row: Row, textual: Sequence[bool]) -> str:
+    cells = []
+    for k, (item, word) in enumerate(zip(row, textual, strict=True)):
         html, value = item if isinstance(item, Cell) else (item, None)
         key = _side(word) + ("" if value is None else f" data-v='{value!r}'")
-        found.append(f"<th scope='row'{key}>{html}</th>" if k == 0 else f"<td{key}>{html}</td>")
-    return "".join(found)
+        cells.append(f"<th scope='row'{key}>{html}</th>" if k == 0 else f"<td{key}>{html}</td>")
+    return "".join(cells)
 
 
 def _is_text(item: str | Cell) -> bool:
@@ -105,20 +106,20 @@ def banner(stories: list[Story]) -> str:
     """Return one line on all runs, in the colour of the worst: how many completed, what stopped."""
     going = [story for story in stories if is_under_way(story.summary)]
     stopped = [story for story in stories if story.stopped and story not in going]
-    worst = max((verdict(story.summary) for story in stories), key=lambda found: _RANK[found])
+    worst = max((verdict(story.summary) for story in stories), key=lambda finding: _RANK[finding])
     completed = len(stories) - len(stopped) - len(going)
-    words = [f"{completed} of {counted(len(stories), 'run')} completed"]
-    words += [escape(f"{story.title}: {story.summary['message']}") for story in going]
+    parts = [f"{completed} of {counted(len(stories), 'run')} completed"]
+    parts += [escape(f"{story.title}: {story.summary['message']}") for story in going]
     if stopped:
-        found = [each for story in stopped for each in findings(story.summary)]
-        errors = [each.code for each in found if each.level == "error"]
+        finding = [each for story in stopped for each in findings(story.summary)]
+        errors = [each.code for each in finding if each.level == "error"]
         why = ", ".join(dict.fromkeys(_WHY.get(code, code) for code in errors))
-        words.append(f"{len(stopped)} stopped early{f': {escape(why)}' if why else ''}")
+        parts.append(f"{len(stopped)} stopped early{f': {escape(why)}' if why else ''}")
     if invalid := sum(bool(invalid_words(story.summary)) for story in stories):
-        words.append(f"{invalid} completed, but invalid")
+        parts.append(f"{invalid} completed, but invalid")
     counts = _counts([each for story in stories for each in findings(story.summary)])
-    words.append(f"<a href='#doubts'>{counts}</a>" if counts else "no warnings")
-    return f"<p class='verdict {worst}'>{'; '.join(words)}.</p>"
+    parts.append(f"<a href='#doubts'>{counts}</a>" if counts else "no warnings")
+    return f"<p class='verdict {worst}'>{'; '.join(parts)}.</p>"
 
 
 def outcomes(stories: list[Story]) -> str:
@@ -148,9 +149,9 @@ def outcomes(stories: list[Story]) -> str:
 
 def doubts(stories: list[Story]) -> str:
     """Return all findings by code, errors first: one line, which unfolds to those of each run."""
-    found = [(story, each) for story in stories for each in findings(story.summary)]
-    codes = dict.fromkeys(each.code for _, each in sorted(found, key=_order))
-    groups = "".join(_group([pair for pair in found if pair[1].code == c]) for c in codes)
+    doubtful = [(story, each) for story in stories for each in findings(story.summary)]
+    codes = dict.fromkeys(each.code for _, each in sorted(doubtful, key=_order))
+    groups = "".join(_group([pair for pair in doubtful if pair[1].code == c]) for c in codes)
     return section("doubts", "Warnings and notes", groups or "<p>None.</p>")
 
 
@@ -158,32 +159,33 @@ def _order(pair: tuple[Story, Finding]) -> int:
     return ("error", "warning", "note").index(pair[1].level)
 
 
-def _group(found: list[tuple[Story, Finding]]) -> str:
+def _group(findings_of_code: list[tuple[Story, Finding]]) -> str:
     """Return the findings of one code."""
-    level = min(found, key=_order)[1].level
-    runs = list(dict.fromkeys(story.title for story, _ in found))
-    bodies = dict.fromkeys(each.body for _, each in found if each.body)
-    words = [counted(len(runs), "run") if len(runs) > 1 else runs[0], *bodies]
-    lines = "".join(_line(story, each) for story, each in found)
+    level = min(findings_of_code, key=_order)[1].level
+    runs = list(dict.fromkeys(story.title for story, _ in findings_of_code))
+    bodies = dict.fromkeys(each.body for _, each in findings_of_code if each.body)
+    parts = [counted(len(runs), "run") if len(runs) > 1 else runs[0], *bodies]
+    lines = "".join(_line(story, each) for story, each in findings_of_code)
+    code = escape(findings_of_code[0][1].code)
     return (
-        f"<details class='{level}'><summary><code>{escape(found[0][1].code)}</code> {level}: "
-        f"{escape(', '.join(words))}</summary><ul>{lines}</ul></details>"
+        f"<details class='{level}'><summary><code>{code}</code> {level}: "
+        f"{escape(', '.join(parts))}</summary><ul>{lines}</ul></details>"
     )
 
 
-def _line(story: Story, found: Finding) -> str:
+def _line(story: Story, finding: Finding) -> str:
     jump = ""
-    if found.t is not None:
+    if finding.t is not None:
         jump = (
             f" <button type='button' class='small' data-run='{escape(story.name)}' "
-            f"data-time='{float(found.t)!r}'>show</button>"
+            f"data-time='{float(finding.t)!r}'>show</button>"
         )
-    return f"<li><b>{escape(story.title)}</b>: {escape(found.text)}{jump}</li>"
+    return f"<li><b>{escape(story.title)}</b>: {escape(finding.text)}{jump}</li>"
 
 
-def _counts(found: list[Finding]) -> str:
+def _counts(findings_of_run: list[Finding]) -> str:
     """Return how many errors and warnings there are; nothing if there is none."""
-    levels = [each.level for each in found]
+    levels = [each.level for each in findings_of_run]
     return ", ".join(
         counted(levels.count(level), level) for level in ("error", "warning") if level in levels
     )
@@ -196,9 +198,9 @@ def _count(value: int | None) -> Cell:
 def _outcome(story: Story) -> Cell:
     t_end = float(story.summary.get("t_end") or story.result.t[-1])
     kind, counts = verdict(story.summary), _counts(findings(story.summary))
-    words = f"stopped at {t_end:.4g} s" if story.stopped else f"completed, {t_end:.4g} s"
-    words = invalid_words(story.summary) or words
-    badge = f"<span class='badge {kind}'>{words}</span>"
+    text = f"stopped at {t_end:.4g} s" if story.stopped else f"completed, {t_end:.4g} s"
+    text = invalid_words(story.summary) or text
+    badge = f"<span class='badge {kind}'>{text}</span>"
     if counts:
         badge += f"<br><a href='#doubts'>{counts}</a>"
     return Cell(badge, float(_RANK[kind]))
@@ -230,15 +232,15 @@ def inputs_section(stories: list[Story]) -> str:
 def _provenance(stories: list[Story]) -> str:
     rows: list[Row] = []
     for story in stories:
-        found = story.summary.get("provenance", {})
-        versions = ", ".join(f"{name} {v}" for name, v in found.get("versions", {}).items())
+        provenance = story.summary.get("provenance", {})
+        versions = ", ".join(f"{name} {v}" for name, v in provenance.get("versions", {}).items())
         rows.append(
             [
                 escape(story.title),
                 f"<code>{escape(str(story.summary.get('inputs_sha256', '-')))}</code>",
                 f"<code>{escape(story.sha256)}</code>",
                 escape(versions or "-"),
-                f"<code>{escape(str(found.get('command', '-')))}</code>",
+                f"<code>{escape(str(provenance.get('command', '-')))}</code>",
             ]
         )
     head = ["run", "SHA-256 of the inputs", "SHA-256 of result.vtkhdf", "versions", "command"]
@@ -249,10 +251,10 @@ def _flat(inputs: Any, prefix: str = "") -> dict[str, object]:
     """Return a nested table by dotted keys; keys without a value are left out."""
     if not isinstance(inputs, dict):
         return {} if inputs is None else {prefix: inputs}
-    found: dict[str, object] = {}
+    flat: dict[str, object] = {}
     for key, value in inputs.items():
-        found |= _flat(value, f"{prefix}.{key}" if prefix else str(key))
-    return found
+        flat |= _flat(value, f"{prefix}.{key}" if prefix else str(key))
+    return flat
 
 
 def _value(value: Any) -> str:
@@ -277,23 +279,25 @@ def signals_section(stories: list[Story]) -> str:
     descriptions = {s.name: s.description for story in stories for s in story.result.signals}
     barred = any("error_bars" in story.summary for story in stories)
     rows: list[Row] = []
-    for name, words in descriptions.items():
+    for name, description in descriptions.items():
         for story in stories:
-            found = story.summary.get("signals", {}).get(name)
-            if found is None:
+            summary = story.summary.get("signals", {}).get(name)
+            if summary is None:
                 continue
             rows.append(
                 [
-                    f"{escape(words)}<br><code>{escape(name)}</code>" if words else escape(name),
+                    f"{escape(description)}<br><code>{escape(name)}</code>"
+                    if description
+                    else escape(name),
                     name_of(story),
-                    escape(found.get("unit", "-")),
-                    figures(measure(found, "final"), 5),
-                    figures(measure(found, "min"), 4),
-                    _jump(story, name, found, "min"),
-                    figures(measure(found, "max"), 4),
-                    _jump(story, name, found, "max"),
-                    figures(found.get("rms"), 4),
-                    *([figures(found.get("error_bar"), 2)] if barred else []),
+                    escape(summary.get("unit", "-")),
+                    figures(measure(summary, "final"), 5),
+                    figures(measure(summary, "min"), 4),
+                    _jump(story, name, summary, "min"),
+                    figures(measure(summary, "max"), 4),
+                    _jump(story, name, summary, "max"),
+                    figures(summary.get("rms"), 4),
+                    *([figures(summary.get("error_bar"), 2)] if barred else []),
                 ]
             )
     if not rows:
@@ -318,16 +322,16 @@ def signals_section(stories: list[Story]) -> str:
     return section("signals", "Signals", text)
 
 
-def _jump(story: Story, name: str, found: Mapping[str, Any], end: str) -> str | Cell:
+def _jump(story: Story, name: str, summary: Mapping[str, Any], end: str) -> str | Cell:
     """Return a button with the time of an extreme, which shows the run then."""
-    time = found.get(f"t_{end}")
+    time = summary.get(f"t_{end}")
     if time is None:
         return figures(None)
     shown = number(time, 4)
-    words = f"{shown} s: show the {WORDS[end]} of {escape(name)}, {escape(story.title)}"
+    label = f"{shown} s: show the {WORDS[end]} of {escape(name)}, {escape(story.title)}"
     return Cell(
         f"<button type='button' class='time' data-run='{escape(story.name)}' "
-        f"data-time='{float(time)!r}' aria-label='{words}'>{shown}</button>",
+        f"data-time='{float(time)!r}' aria-label='{label}'>{shown}</button>",
         float(time),
     )
 

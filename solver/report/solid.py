@@ -17,7 +17,7 @@ from .table import in_rows, warning_lines
 # Results of a solid on the screen.
 
 
-def solid_text(found: dict[str, Any]) -> str:
+def solid_text(solid: dict[str, Any]) -> str:
     """Return the main results of a solid, at most 100 columns wide.
 
     Parameters
@@ -25,23 +25,23 @@ def solid_text(found: dict[str, Any]) -> str:
     found : as preprocess/solid/solid_analysis.py makes it, with name, seconds and warnings
     """
     lines = [
-        found["name"],
+        solid["name"],
         "",
-        f"{'Mesh':16}{found['cells']} quadratic {found['cell'].replace('dron', 'dra')} of "
-        f"{found['size']:.3g} m, {found['unknowns']} unknowns",
-        f"{'Mass':16}{found['mass']:.6g} kg",
-        f"{'Centre':16}{_row(found['centre'])} m",
-        *_inertia(found["inertia"]),
-        *_exact(found),
-        *_hertz("Free", found["free_hz"], found.get("free_error")),
-        *(_hertz("Held", found["held_hz"], found.get("held_error")) if "held_hz" in found else []),
+        f"{'Mesh':16}{solid['cells']} quadratic {solid['cell'].replace('dron', 'dra')} of "
+        f"{solid['size']:.3g} m, {solid['unknowns']} unknowns",
+        f"{'Mass':16}{solid['mass']:.6g} kg",
+        f"{'Centre':16}{_row(solid['centre'])} m",
+        *_inertia(solid["inertia"]),
+        *_exact(solid),
+        *_hertz("Free", solid["free_hz"], solid.get("free_error")),
+        *(_hertz("Held", solid["held_hz"], solid.get("held_error")) if "held_hz" in solid else []),
     ]
-    if reason := found.get("no_error"):
+    if reason := solid.get("no_error"):
         lines.append(f"{'Mesh error':16}not estimated: {reason}")
-    for name, case in found.get("cases", {}).items():
+    for name, case in solid.get("cases", {}).items():
         lines += ["", f"Load case {name}", *_case(case)]
-    lines += ["", f"{'Effort':16}{found['seconds']:.2f} s"]
-    return "\n".join([*lines, *warning_lines(found["warnings"])])
+    lines += ["", f"{'Effort':16}{solid['seconds']:.2f} s"]
+    return "\n".join([*lines, *warning_lines(solid["warnings"])])
 
 
 def _row(values: list[float]) -> str:
@@ -58,15 +58,15 @@ def _inertia(J: list[list[float]]) -> list[str]:
     ]
 
 
-def _exact(found: dict[str, Any]) -> list[str]:
-    exact = found["exact"]
+def _exact(solid: dict[str, Any]) -> list[str]:
+    exact = solid["exact"]
     if exact is None:
         return []
-    J, JE = np.array(found["inertia"]), np.array(exact["inertia"])
+    J, JE = np.array(solid["inertia"]), np.array(exact["inertia"])
     length = float(np.sqrt(np.trace(JE) / exact["mass"]))
     gaps = (
-        abs(found["mass"] / exact["mass"] - 1.0),
-        np.linalg.norm(np.subtract(found["centre"], exact["centre"])) / length,
+        abs(solid["mass"] / exact["mass"] - 1.0),
+        np.linalg.norm(np.subtract(solid["centre"], exact["centre"])) / length,
         np.abs(J - JE).max() / np.abs(JE).max(),
     )
     return [
@@ -105,15 +105,18 @@ def _place(values: list[float]) -> str:
 
 def with_stresses(package: ModalPackage, cases: dict[str, Any]) -> dict[str, Any]:
     """Return load cases with their largest von Mises stress and lowest strength ratio."""
-    faces, found = package.face_stresses, dict(cases)
+    faces, stressed = package.face_stresses, dict(cases)
     if faces is None or faces.case_stress_M is None:
-        return found
+        return stressed
     cells = cell_table(package.connectivity, package.offsets, faces.cell)
     places, known = centres(package.nodes_B, cells), strengths(faces)
     for name, stress in zip(faces.cases, faces.case_stress_M, strict=True):
         mises = equivalent_stress(stress)
         row = int(np.argmax(mises))
-        found[name] = cases[name] | {"mises": float(mises[row]), "mises_at": places[row].tolist()}
+        stressed[name] = cases[name] | {
+            "mises": float(mises[row]),
+            "mises_at": places[row].tolist(),
+        }
         reserves = []
         for number, material in enumerate(sorted(faces.materials)):
             own = np.flatnonzero(faces.material == number)
@@ -123,30 +126,30 @@ def with_stresses(package: ModalPackage, cases: dict[str, Any]) -> dict[str, Any
                 reserves += [(reserve, material) for reserve in extreme.reserves]
         if reserves:
             least, material = min(reserves, key=lambda entry: entry[0].ratio)
-            found[name] |= {
+            stressed[name] |= {
                 "strength_ratio": least.ratio,
                 "criterion": least.criterion,
                 "mode": least.mode,
                 "material": material,
                 "strength_at": places[least.cell].tolist(),
             }
-    return found
+    return stressed
 
 
 def solid_table(file: Path) -> dict[str, Any]:
     """Return the numbers of a solid from its package. Raises InputError for another package."""
     package = read_package(file)
     provenance = package.provenance
-    found = provenance.get("solid")
-    if not isinstance(found, dict) or "free_hz" not in found:
+    solid = provenance.get("solid")
+    if not isinstance(solid, dict) or "free_hz" not in solid:
         raise InputError(
             f"{file}: expected a package that `plymotion solid` has made; "
             "`plymotion info` shows others"
         )
     return {
         "name": file.stem,
-        **found,
-        **({"cases": with_stresses(package, found["cases"])} if "cases" in found else {}),
+        **solid,
+        **({"cases": with_stresses(package, solid["cases"])} if "cases" in solid else {}),
         "seconds": sum(provenance["seconds"].values()),
         "warnings": list(provenance["warnings"]),
     }

@@ -18,27 +18,27 @@ from ..results import ResultError, RunResult, Signal, Summary, read_result, read
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")  # of a run, or a figure: part of a file name
 
 
-def case_table(found: Any) -> dict[str, Any]:
+def case_table(table: Any) -> dict[str, Any]:
     """Return the content of case.json. Raises ValueError if `check` cannot have written it."""
-    if not isinstance(found, dict):
-        raise ValueError(f"expected a table, found {type(found).__name__}")
+    if not isinstance(table, dict):
+        raise ValueError(f"expected a table, found {type(table).__name__}")
     for key in ("runs", "figures"):
-        named = found.get(key, {})
+        named = table.get(key, {})
         if not isinstance(named, dict) or (key == "runs" and not named):
             raise ValueError(f"key {key}: expected a table of names")
         for name in named:
             if not _NAME.fullmatch(name):
                 raise ValueError(f"key {key}: expected letters and digits in {name!r}")
-    for name, figure in found.get("figures", {}).items():
+    for name, figure in table.get("figures", {}).items():
         if not (isinstance(figure, dict) and _is_figure(figure)):
             raise ValueError(f"key figures.{name}: expected title, signal and a list of runs")
-    return found
+    return table
 
 
 def _is_figure(figure: dict[str, object]) -> bool:
     runs = figure.get("runs")
-    words = [figure.get("title"), figure.get("signal"), *(runs if isinstance(runs, list) else [0])]
-    return all(isinstance(word, str) for word in words)
+    texts = [figure.get("title"), figure.get("signal"), *(runs if isinstance(runs, list) else [0])]
+    return all(isinstance(word, str) for word in texts)
 
 
 # Data of a run for the report: summary, result and title.
@@ -142,21 +142,23 @@ def comparisons(case: dict[str, Any], stories: list[Story]) -> list[Comparison]:
         for s in stories[0].result.signals
         if s.name not in drawn
     }
-    found = []
+    comparisons_shown = []
     for name, figure in wanted.items():
         runs = tuple(run for run in figure["runs"] if run in there)
         if runs:
             title, spectrum = figure.get("title") or name, bool(figure.get("spectrum"))
             more, against = bool(figure.get("more")), str(figure.get("against") or "")
-            found.append(Comparison(name, title, figure["signal"], runs, spectrum, more, against))
-    return found
+            comparisons_shown.append(
+                Comparison(name, title, figure["signal"], runs, spectrum, more, against)
+            )
+    return comparisons_shown
 
 
 def read_inputs(case_dir: Path, run: str) -> dict[str, object]:
     """Return the mechanism of a run as `check` wrote it; empty if its file is not there."""
     try:
         table = json.loads((case_dir / "runs" / f"{run}.json").read_text(encoding="utf-8"))
-        found = table["mechanism"]
+        mechanism = table["mechanism"]
     except (OSError, ValueError, KeyError, TypeError):
         return {}
-    return found if isinstance(found, dict) else {}
+    return mechanism if isinstance(mechanism, dict) else {}

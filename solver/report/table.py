@@ -55,13 +55,13 @@ def _side_by_side(names: Sequence[str], signals: Sequence[Signal]) -> list[str]:
     shown = 0
     while shown < len(signals):
         end = shown + 1
-        found = _signal_table(names, signals[shown:end])
+        table = _signal_table(names, signals[shown:end])
         while end < len(signals):
             wider = _signal_table(names, signals[shown : end + 1])
             if len(wider.splitlines()[2]) > WIDTH:
                 break
-            found, end = wider, end + 1
-        tables.append(found)
+            table, end = wider, end + 1
+        tables.append(table)
         shown = end
     return tables
 
@@ -72,8 +72,8 @@ def _signal_table(names: Sequence[str], signals: Sequence[Signal]) -> str:
     for title, values in signals:
         top += [title, "", ""]
         below += VALUES
-        for row, found in zip(rows, values, strict=True):
-            row += found
+        for row, cells in zip(rows, values, strict=True):
+            row += cells
     return aligned([top, below, *rows], left=(0,))
 
 
@@ -84,7 +84,7 @@ def number(value: float | None, digits: int = 3) -> str:
 
 def warning_codes(summary: Summary) -> list[str]:
     """Return the codes of the warnings, each once, with its count."""
-    codes = [found.code for found in findings(summary)]
+    codes = [finding.code for finding in findings(summary)]
     return [f"{c} x{codes.count(c)}" if codes.count(c) > 1 else c for c in dict.fromkeys(codes)]
 
 

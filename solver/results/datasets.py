@@ -79,10 +79,10 @@ def read_array(dataset: h5py.Dataset) -> np.ndarray:
     """Return the content of a dataset, block by block: a signal counts between two of them."""
     if dataset.nbytes <= LARGE or not dataset.ndim:
         return np.asarray(dataset[()])
-    found = np.empty(dataset.shape, dataset.dtype)
+    values = np.empty(dataset.shape, dataset.dtype)
     for first, end in blocks(dataset.shape):
-        found[first:end] = dataset[first:end]
-    return found
+        values[first:end] = dataset[first:end]
+    return values
 
 
 class Datasets:
@@ -180,16 +180,16 @@ def write_record(group: h5py.Group, record: Record, layout: Layout) -> None:
 
 def read_record(group: h5py.Group) -> dict[str, object]:
     """Return what `write_record` wrote."""
-    found: dict[str, object] = {}
+    record: dict[str, object] = {}
 
     def take(path: str, item: h5py.HLObject) -> None:
         if isinstance(item, h5py.Dataset):
-            found[path] = np.asarray(item[()])
+            record[path] = np.asarray(item[()])
         else:
-            found.update(_attributes(f"{path}/", item))
+            record.update(_attributes(f"{path}/", item))
 
     group.visititems(take)
-    return found | _attributes("", group)
+    return record | _attributes("", group)
 
 
 def _attributes(path: str, item: h5py.HLObject) -> dict[str, object]:
@@ -255,18 +255,18 @@ def _fields(group: h5py.Group, path: str = "") -> Iterator[tuple[str, h5py.HLObj
 
 
 def _split(flat: Any, shapes: Any) -> list[Any]:
-    found: list[Any] = []
+    parts: list[Any] = []
     at = 0
     for axes, *shape in shapes.tolist():
         if axes == ABSENT:
-            found.append(None)
+            parts.append(None)
             continue
         size = int(np.prod(shape[:axes], dtype=np.int64))
-        found.append(flat[at : at + size].reshape(shape[:axes]))
+        parts.append(flat[at : at + size].reshape(shape[:axes]))
         at += size
     if at != len(flat):
         raise ValueError(f"{len(flat)} values, expected {at}")
-    return found
+    return parts
 
 
 def write_texts(group: h5py.Group, name: str, texts: Sequence[str]) -> None:
@@ -288,7 +288,7 @@ def read_texts(dataset: h5py.Dataset) -> list[str]:
     return [as_text(text) for text in dataset[()]]
 
 
-def put_array(group: h5py.Group, name: str, values: Any, words: tuple[str, ...]) -> None:
+def put_array(group: h5py.Group, name: str, values: Any, texts: tuple[str, ...]) -> None:
     """Write an array with its unit, frame and description, as far as there are words.
 
     Parameters
@@ -301,7 +301,7 @@ def put_array(group: h5py.Group, name: str, values: Any, words: tuple[str, ...])
     array = np.asarray(values)
     squeeze = {"compression": "gzip", "shuffle": True} if array.nbytes > RECORD_BYTES else {}
     dataset = group.create_dataset(name, data=array, **squeeze)
-    for key, word in zip(("unit", "frame", "description"), words, strict=False):
+    for key, word in zip(("unit", "frame", "description"), texts, strict=False):
         set_text(dataset, key, word)
 
 
@@ -314,26 +314,26 @@ SIDE = ("position_B", "A_BM", "phi_B", "psi_B")
 
 def view_record(view: BodyView) -> Record:
     """Return what a file has of the view of a body."""
-    found: dict[str, object] = {
+    record: dict[str, object] = {
         "first_position": view.first_position,
         "mass": view.mass,
         "labels": json.dumps(view.labels) if view.labels else "[]",
         "provenance": json.dumps(plain(view.provenance)) if view.provenance else "{}",
     }
-    found |= field_values(view) | field_values(view.surface, SURFACE)
+    record |= field_values(view) | field_values(view.surface, SURFACE)
     if view.sites is not None:
-        found["sites/plies"] = json.dumps(plain(view.sites.plies))
-        found["sites/dimension"] = view.sites.dimension
-    return found
+        record["sites/plies"] = json.dumps(plain(view.sites.plies))
+        record["sites/dimension"] = view.sites.dimension
+    return record
 
 
 def link_record(link: Link) -> Record:
     """Return what a file has of a joint: m, rad; axes as in results/run_result.py."""
-    found: dict[str, object] = {"kind": link.kind, "free": json.dumps(link.free)}
+    record: dict[str, object] = {"kind": link.kind, "free": json.dumps(link.free)}
     for number, side in enumerate(link.sides, 1):
-        found[f"body_{number}"] = side.body
-        found |= {f"{name}_{number}": getattr(side, name) for name in SIDE}
-    return found
+        record[f"body_{number}"] = side.body
+        record |= {f"{name}_{number}": getattr(side, name) for name in SIDE}
+    return record
 
 
 def body_of(where: str, name: str, record: Record) -> BodyGeometry:
@@ -396,11 +396,11 @@ def link_of(where: str, name: str, record: Record) -> Link:
 def loads_of(where: str, record: Record) -> Loads:
     """Return the loads from their record. Raises ResultError."""
     with _damaged(where):
-        found: Loads = build(Loads, record, names=tuple(json.loads(record["names"])))
-        r, n = len(found.t), len(found.names)
-        if found.place_G.shape != (r, n, 3) or found.load_G.shape != (r, n, 6):
+        loads: Loads = build(Loads, record, names=tuple(json.loads(record["names"])))
+        r, n = len(loads.t), len(loads.names)
+        if loads.place_G.shape != (r, n, 3) or loads.load_G.shape != (r, n, 6):
             raise ValueError(f"expected places and loads of {r} times and {n} names")
-    return found
+    return loads
 
 
 @contextmanager

@@ -320,9 +320,9 @@ def read_result(path: str | Path) -> RunResult:
     """
     path = Path(path)
     with open_file(path, ResultError) as file:
-        found = get_text(file, "format")
-        if found != FORMAT:
-            what = repr(found) if found else kind_of_file(file)
+        form = get_text(file, "format")
+        if form != FORMAT:
+            what = repr(form) if form else kind_of_file(file)
             raise ResultError(f"{path}: attribute format: expected {FORMAT!r}, this is {what}")
         major, minor = version_of(path, file, ResultError)
         if major > TABLES_VERSION[0]:
@@ -358,19 +358,19 @@ def _load(path: Path, file: h5py.File) -> RunResult:
         if f"{name}_table" in group:
             where = f"{path}: /results/{name}_table"
             try:
-                found = read_table(group[f"{name}_table"])
+                columns = read_table(group[f"{name}_table"])
             except (KeyError, TypeError, ValueError) as error:
                 raise ResultError(f"{where}: damaged table: {error}") from error
-            yield from ((where, *each) for each in zip(*found, strict=True))
+            yield from ((where, *each) for each in zip(*columns, strict=True))
         for item in members(name):
             yield f"{path}: {item.name}", item.name.rsplit("/", 1)[1], read_record(item)
 
     def signals() -> tuple[Signal, ...]:
         if "signals_table" in group:
             table = group["signals_table"]
-            words = (read_texts(_get(path, table, n)) for n in ("name", "unit", "description"))
+            texts = (read_texts(_get(path, table, n)) for n in ("name", "unit", "description"))
             values = read_array(_get(path, table, "values"))
-            return tuple(Signal(*each) for each in zip(*words, values, strict=True))
+            return tuple(Signal(*each) for each in zip(*texts, values, strict=True))
         return tuple(
             Signal(
                 item.name.rsplit("/", 1)[1],

@@ -31,14 +31,14 @@ def ask(case_dir: Path) -> None:
 
 def answers(case_dir: Path, since: float) -> dict[str, float]:
     """Return the runs that have answered since a time [s], with the times of their answers."""
-    found = {}
+    times = {}
     for file in (case_dir / FOLDER).glob("*/summary.json"):
         with contextlib.suppress(OSError):  # it may just be replaced
             written = file.stat().st_mtime
             done = case_dir / file.parent.name / file.name
             if written >= since and not (done.is_file() and done.stat().st_mtime > written):
-                found[file.parent.name] = written
-    return found
+                times[file.parent.name] = written
+    return times
 
 
 class Copies:

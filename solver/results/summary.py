@@ -158,7 +158,7 @@ def verdict(summary: Summary) -> Verdict:
     "bad": it ended early, or a finding of level error calls its results invalid; "doubt": it has
     warnings; "good": neither.
     """
-    levels = {found.level for found in findings(summary)}
+    levels = {finding.level for finding in findings(summary)}
     if not (summary.get("completed", False) or is_under_way(summary)) or "error" in levels:
         return "bad"
     return "doubt" if "warning" in levels else "good"
@@ -166,15 +166,15 @@ def verdict(summary: Summary) -> Verdict:
 
 def is_under_way(summary: Summary) -> bool:
     """Return whether a summary is that of the part so far of a run that goes on."""
-    return any(found.code == UNDER_WAY.name for found in findings(summary))
+    return any(finding.code == UNDER_WAY.name for finding in findings(summary))
 
 
 def invalid_words(summary: Summary) -> str:
     """Return from when on a completed run is invalid, and why; empty if it is not."""
-    errors = [found for found in findings(summary) if found.level == "error"]
+    errors = [finding for finding in findings(summary) if finding.level == "error"]
     if not errors or not summary.get("completed", False):
         return ""
-    first = min(errors, key=lambda found: found.t or 0.0)
+    first = min(errors, key=lambda finding: finding.t or 0.0)
     return f"invalid from t = {first.t or 0.0:.4g} s ({first.code})"
 
 

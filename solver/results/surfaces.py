@@ -36,7 +36,7 @@ def node_positions(
     shapes_B : (m, n, 3) translations per unit mode [m]
     out : (k, n, 3) to fill; None: a new array
     """
-    found = np.empty((len(q), len(nodes_B), 3)) if out is None else out
+    positions = np.empty((len(q), len(nodes_B), 3)) if out is None else out
     # Time is the last axis until the end: long rows for NumPy, whatever the number of nodes.
     modal = np.ascontiguousarray(q[:, first + 7 : first + 7 + len(shapes_B)].T)
     x, y, z = (nodes_B[:, a, None] + shapes_B[:, :, a].T @ modal for a in range(3))
@@ -46,8 +46,8 @@ def node_positions(
         place += along_y * y
         place += along_z * z
         place += q[:, first + a]
-        found[:, :, a] = place.T
-    return found
+        positions[:, :, a] = place.T
+    return positions
 
 
 Moved = tuple[int, Array, Array]  # first, nodes_B, shapes_B of a body, as above
@@ -70,15 +70,15 @@ def all_positions(q: Any, bodies: Sequence[Moved]) -> Any:
 
     def points(first: int, end: int) -> Array:
         some = q[first:end]
-        found = np.empty((len(some), count, 3))
+        positions = np.empty((len(some), count, 3))
         for i in single:
-            node_positions(some, *bodies[i], found[:, starts[i] : starts[i + 1]])
+            node_positions(some, *bodies[i], positions[:, starts[i] : starts[i + 1]])
         if rigid:
             at = some[:, columns]
             A = rotation_matrices(at[..., 3:].reshape(-1, 4)).reshape(*at.shape[:2], 3, 3)
             turned = np.einsum("kiab,ib->kia", np.repeat(A, sizes, axis=1), nodes_B)
-            found[:, of_rigid] = turned + np.repeat(at[..., :3], sizes, axis=1)
-        return found
+            positions[:, of_rigid] = turned + np.repeat(at[..., :3], sizes, axis=1)
+        return positions
 
     return computed(q, (len(q), count, 3), points)
 
@@ -394,7 +394,7 @@ def faces(
     cell_types : VTK types of the cells (c,)
     site : site of each cell (c,)
     """
-    found: dict[int, list[tuple[IntArray, IntArray]]] = {3: [], 4: []}
+    by_corners: dict[int, list[tuple[IntArray, IntArray]]] = {3: [], 4: []}
     for kind in distinct(cell_types).tolist():
         own = np.flatnonzero(cell_types == kind)
         shapes = FACES.get(int(kind), ())
@@ -412,15 +412,15 @@ def faces(
                     )
                     outer = first[number == 1]
                     corners, sites = corners[outer], sites[outer]
-                found[count].append((corners, sites))
+                by_corners[count].append((corners, sites))
     parts = Parts()
-    used = [corners for some in found.values() for corners, _ in some]
+    used = [corners for some in by_corners.values() for corners, _ in some]
     nodes = distinct(np.concatenate([np.zeros(0, dtype=np.int64), *(c.ravel() for c in used)]))
     parts.points(nodes, np.zeros((len(nodes), 3)))
-    for corners, sites in found[3]:
+    for corners, sites in by_corners[3]:
         rows = np.searchsorted(nodes, corners)
         parts.triangles(rows, np.full(len(rows), 7), np.repeat(sites[:, None], 3, axis=1))
-    for corners, sites in found[4]:
+    for corners, sites in by_corners[4]:
         parts.quads(np.searchsorted(nodes, corners), np.repeat(sites[:, None], 4, axis=1))
     return parts.surface()
 
@@ -483,7 +483,7 @@ def frames_along(nodes_B: Array, first_B: Array | None) -> Array:
         e2 = np.cross(tangents[0], side)
         e2 /= np.linalg.norm(e2)
         first_B = np.column_stack([tangents[0], e2, np.cross(tangents[0], e2)])
-    found = [first_B]
+    frames = [first_B]
     for turn in shortest_rotations(tangents[:-1], tangents[1:]):
-        found.append(turn @ found[-1])
-    return np.array(found)
+        frames.append(turn @ frames[-1])
+    return np.array(frames)

@@ -90,9 +90,9 @@ class Course:
                 2.0 * ahead[2],
             ]
         )
-        found = _join(self._at, end, h)
+        rows = _join(self._at, end, h)
         self._at = end
-        return found
+        return rows
 
     def _note(self, t: float, value: float) -> None:
         self._times, self._values = [*self._times, t][-KEPT:], [*self._values, value][-KEPT:]
@@ -104,28 +104,28 @@ class Course:
 
     def copy(self) -> "Course":
         """Return a course that goes on from here by itself."""
-        found = copy(self)
-        found._at = self._at.copy()
-        return found
+        course = copy(self)
+        course._at = self._at.copy()
+        return course
 
     def _ahead(self, t: float, value: float, rates: Array) -> Array:
         """Return coefficients (3,) of the polynomial through the last values."""
         count = self._order + 1
         since = np.array(self._times[-count:]) - t
-        found = np.zeros(3)
-        found[0] = value
+        derivatives = np.zeros(3)
+        derivatives[0] = value
         known = np.isfinite(rates)
         if known[0]:
-            found[1] = rates[0]
+            derivatives[1] = rates[0]
             if known[1]:
-                found[2] = 0.5 * rates[1]
+                derivatives[2] = 0.5 * rates[1]
             elif self._order == 2:
-                found[2] = (self._values[-2] - value - rates[0] * since[-2]) / since[-2] ** 2
+                derivatives[2] = (self._values[-2] - value - rates[0] * since[-2]) / since[-2] ** 2
         elif count > 1:
             rows = since[:-1, None] ** np.arange(1, count)
             change = np.array(self._values[-count:-1]) - value
-            found[1:count] = np.linalg.solve(rows, change)
-        return found
+            derivatives[1:count] = np.linalg.solve(rows, change)
+        return derivatives
 
 
 def _join(begin: Array, end: Array, h: float) -> Array:
@@ -329,12 +329,12 @@ class Stepper:
         # By the laws of the case, whatever the inputs are at a start.
         self._atol = tolerances(own.model, own.y0, own.mechanism.solver)
         self._started = False
-        known = {found.name: found for found in inputs_of(spec.mechanism, self.prepared.built)}
+        known = {signal.name: signal for signal in inputs_of(spec.mechanism, self.prepared.built)}
         for name in inputs or ():
             if name not in known:
                 raise InputError(f"{name}: no such input; expected some of {', '.join(known)}")
         self.inputs: list[Input] = [
-            found for name, found in known.items() if inputs is None or name in inputs
+            signal for name, signal in known.items() if inputs is None or name in inputs
         ]
         # One that looks at a whole run before it has values cannot be an output.
         looking = [n for n, sensor in self.prepared.measured.items() if sensor.look is not None]
@@ -526,9 +526,9 @@ class Stepper:
     def warnings(self) -> list[str]:
         """Return what the monitors have found since the last call."""
         prepared = self.prepared
-        found = [*prepared.notes, *prepared.spin.findings, *prepared.passage.findings]
-        found += prepared.buckling.findings if prepared.buckling is not None else []
-        texts = [f"[{finding.code}] {finding.text}" for finding in found]
+        findings = [*prepared.notes, *prepared.spin.findings, *prepared.passage.findings]
+        findings += prepared.buckling.findings if prepared.buckling is not None else []
+        texts = [f"[{finding.code}] {finding.text}" for finding in findings]
         fresh = [text for text in texts if text not in self._reported]
         self._reported.update(fresh)
         return fresh
@@ -592,8 +592,10 @@ class Stepper:
     def measured(self) -> Array:
         """Return the outputs at the present time, (n,)."""
         block = np.array([self.t]), self.y[None]
-        _, found = next(recorded(self.outputs, self.prepared.model, lambda: [block], self._memory))
-        return np.array([values[0] for _, values in found])
+        _, values_of_signals = next(
+            recorded(self.outputs, self.prepared.model, lambda: [block], self._memory)
+        )
+        return np.array([values[0] for _, values in values_of_signals])
 
 
 def _require_restarts(spec: RunSpec) -> None:

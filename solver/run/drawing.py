@@ -67,7 +67,7 @@ def with_views(
     times = distinct(np.linspace(0, len(y) - 1, TIMES).round().astype(int))
     states = np.asarray(y[times])
     reach = max((_size(body.nodes_B) for body in bodies), default=0.0)
-    found = []
+    viewed = []
     # By the identity of the package, or what a rigid body is drawn from: bodies may share one.
     surfaces: dict[Any, Callable[[], Surface]] = {}
     for i, body in enumerate(bodies):
@@ -105,23 +105,23 @@ def with_views(
         if i in balls:
             with_balls = partial(_with_balls, view.draw, body.nodes_B, balls[i], reach)
             view = replace(view, draw=with_balls)
-        found.append(replace(body, view=view))
-    return tuple(found)
+        viewed.append(replace(body, view=view))
+    return tuple(viewed)
 
 
 def point_masses(mechanism: "Mechanism", built: BuiltMechanism) -> dict[int, list[Ball]]:
     """Return place [m] and mass [kg] of the point masses of a case by the number of their body."""
-    found: dict[int, list[Ball]] = {}
+    balls: dict[int, list[Ball]] = {}
     for mass in mechanism.masses.values():
         body, place = built.places[mass.at]
-        found.setdefault(body, []).append((place.position_B, mass.mass))
-    return found
+        balls.setdefault(body, []).append((place.position_B, mass.mass))
+    return balls
 
 
 def pictures(mechanism: "Mechanism") -> dict[str, Path]:
     """Return the STL files of rigid bodies by name."""
-    found = {name: getattr(body, "picture", None) for name, body in mechanism.bodies.items()}
-    return {name: Path(file) for name, file in found.items() if file is not None}
+    files = {name: getattr(body, "picture", None) for name, body in mechanism.bodies.items()}
+    return {name: Path(file) for name, file in files.items() if file is not None}
 
 
 def _with_balls(
@@ -148,17 +148,17 @@ def _size(nodes_B: Array) -> float:
 
 def links(mechanism: "Mechanism", built: BuiltMechanism) -> tuple[Link, ...]:
     """Return joints, and forces that are drawn as coils, with the markers on both sides."""
-    found = []
+    drawn = []
     for name, joint in built.joints.items():
         if joint.rows:
             one, two = built.model.joint_marker[joint.rows[0]].tolist()
             free = tuple(f for f in FREEDOMS if f not in JOINTS[joint.kind].removes)
-            found.append(Link(name, joint.kind, (_side(built, one), _side(built, two)), free))
+            drawn.append(Link(name, joint.kind, (_side(built, one), _side(built, two)), free))
     for name, (one, two) in zip(built.force_names, built.model.force_marker.tolist(), strict=False):
         force = mechanism.forces.get(name)
         if force is not None and FORCES[force.kind].coil:
-            found.append(Link(name, force.kind, (_side(built, one), _side(built, two))))
-    return tuple(found)
+            drawn.append(Link(name, force.kind, (_side(built, one), _side(built, two))))
+    return tuple(drawn)
 
 
 def drawn_loads(
@@ -245,16 +245,16 @@ def _surface(package: ModalPackage) -> Surface:
 def _outlines(package: ModalPackage) -> tuple[list[Outline], Array | None]:
     """Return the outline of each element, or one for all, and the axes at the first node."""
     recovery, n = package.recovery, len(package.nodes_B)
-    found = [section_outline(s.recovery) if s.recovery else None for s in package.sections]
-    known = [k for k, outline in enumerate(found) if outline is not None]
+    outlines = [section_outline(s.recovery) if s.recovery else None for s in package.sections]
+    known = [k for k, outline in enumerate(outlines) if outline is not None]
     if recovery is None or not known:
         width = GLYPH * float(np.linalg.norm(np.diff(package.nodes_B, axis=0), axis=1).sum())
         return [square(width)], None
     # Sections between analysed stations have no cells: they are drawn by those around them.
-    middle = [float(recovery.station_x[recovery.section == k].mean()) for k in range(len(found))]
+    middle = [float(recovery.station_x[recovery.section == k].mean()) for k in range(len(outlines))]
     whole = [
-        outline or _between([(middle[j], o) for j in known if (o := found[j])], middle[k])
-        for k, outline in enumerate(found)
+        outline or _between([(middle[j], o) for j in known if (o := outlines[j])], middle[k])
+        for k, outline in enumerate(outlines)
     ]
     _, starts = _stations_of_nodes(package)
     return [whole[int(recovery.section[starts[e]])] for e in range(n - 1)], recovery.A_BE

@@ -45,7 +45,7 @@ def with_error_bars(summary: Summary, spec: RunSpec, result: RunResult, execute:
 
     See `error_bars`.
     """
-    codes = [found["code"] for found in summary["warnings"]]
+    codes = [finding["code"] for finding in summary["warnings"]]
     steps = summary["cost"]["steps"]
     bars, entry = error_bars(spec, result.t, result.signals, steps, codes, execute)
     for name, bar in bars.items():
@@ -159,11 +159,11 @@ def held_ends(package: ModalPackage) -> Array | None:
 def not_contained(spec: RunSpec) -> list[str]:
     """Return what the error bars of a run do not contain."""
     packages = {name: package for name, package in spec.packages.items() if package.n_mode}
-    found = ["theory of beams and shells apart from held ends"] if packages else []
+    missing = ["theory of beams and shells apart from held ends"] if packages else []
     unknown = [name for name, package in packages.items() if package.stiffness_error is None]
-    found += [f"mesh and section of {' and '.join(unknown)}"] if unknown else []
+    missing += [f"mesh and section of {' and '.join(unknown)}"] if unknown else []
     unknown = [name for name in packages if _requests(spec, name) is None]
-    return [*found, *(f"modes of {name}" for name in unknown)]
+    return [*missing, *(f"modes of {name}" for name in unknown)]
 
 
 def _requests(spec: RunSpec, name: str) -> list[dict[str, Any]] | None:

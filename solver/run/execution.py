@@ -103,12 +103,12 @@ def _entry(entry: Any) -> tuple[str, str | None]:
 
 def _mechanism(table: dict[str, Any], where: str) -> "Mechanism":
     """Return the mechanism of a run file; one that was edited is checked."""
-    found = sealed(table["mechanism"], table.get("checked"))
-    if found is None:
+    mechanism = sealed(table["mechanism"], table.get("checked"))
+    if mechanism is None:
         from ..inputs.case.tables.schema import resolved  # takes 0.2 s
 
-        found = resolved(table["mechanism"], where)
-    return found
+        mechanism = resolved(table["mechanism"], where)
+    return mechanism
 
 
 def package_of(
@@ -133,11 +133,11 @@ def package_of(
     if expected is not None and not path.exists():
         raise PackageError(f"{shown}: no such file; {remedy}")
     package = read_package(shown, allow_doubtful=allow_doubtful)
-    found = package.provenance.get("inputs_sha256")
-    if expected is not None and found != expected:
+    inputs = package.provenance.get("inputs_sha256")
+    if expected is not None and inputs != expected:
         raise PackageError(
             f"{shown}: built from other inputs than {whose} "
-            f"(inputs {str(found)[:12]}, expected {expected[:12]}); {remedy}"
+            f"(inputs {str(inputs)[:12]}, expected {expected[:12]}); {remedy}"
         )
     return package
 
@@ -334,13 +334,13 @@ def run_file(
         patience_s = max(PATIENCE_S, PATIENCE * sum(solving.seconds.values()))
         digest, progress = ("", False) if copies.is_copy else (digest, progress)
         with completing(patience_s):  # what is computed is kept
-            found = _collected(spec, *solved, solving, disk, progress, patience_s)
-            if spec.mechanism.solver.error_bars and found[1]["completed"]:
+            collected = _collected(spec, *solved, solving, disk, progress, patience_s)
+            if spec.mechanism.solver.error_bars and collected[1]["completed"]:
                 again = partial(execute, progress=progress, folder=disk, allow_python=allow_python)
-                with_error_bars(found[1], spec, found[0], again)
+                with_error_bars(collected[1], spec, collected[0], again)
                 digest = "" if stop_requested() else digest  # the bars are not complete
             target = copies.out
-            return _written(target, spec, *found, digest, clock, import_s, progress, patience_s)
+            return _written(target, spec, *collected, digest, clock, import_s, progress, patience_s)
 
 
 def _written(

@@ -125,7 +125,7 @@ def collect(
             "modes_used": {n: p.n_mode for n, p in finished.packages.items()},
         },
         "provenance": result.provenance,
-        "strength": {n: strength_entry(found) for n, found in judgement.strengths.items()},
+        "strength": {n: strength_entry(strength) for n, strength in judgement.strengths.items()},
         "damping": loaded_damping(finished),
         "fatigue": {name: fatigue_entry(sensors[name], turning[name]) for name in turning},
         "cost": {
@@ -151,11 +151,11 @@ def _summaries(
     signals: Sequence[Signal], t: Array, progress: Callable[[float], None]
 ) -> dict[str, dict[str, object]]:
     """Return the summaries of signals by name; `progress` gets the second half of the work."""
-    found = {}
+    summaries = {}
     for number, signal in enumerate(signals, 1):
-        found[signal.name] = signal_summary(signal, t)
+        summaries[signal.name] = signal_summary(signal, t)
         progress(0.5 + 0.5 * number / len(signals))
-    return found
+    return summaries
 
 
 def drawn_shapes(built: BuiltMechanism, y: Array) -> tuple[tuple[BodyGeometry, ...], Array]:
@@ -193,26 +193,26 @@ def drawn_shapes(built: BuiltMechanism, y: Array) -> tuple[tuple[BodyGeometry, .
 def provenance(packages: Mapping[str, ModalPackage]) -> dict[str, object]:
     """Return versions, the digest of the inputs of each package, and the command if it started
     the run."""
-    found: dict[str, object] = {
+    table: dict[str, object] = {
         "versions": dict(_versions()),
         "packages": {name: p.provenance.get("inputs_sha256") for name, p in packages.items()},
     }
     name, *words = sys.argv
     if Path(name).stem in ("plymotion", "__main__"):
-        found["command"] = shlex.join(["plymotion", *words])
-    return found
+        table["command"] = shlex.join(["plymotion", *words])
+    return table
 
 
 @cache
 def _versions() -> dict[str, str]:
-    found = {
+    versions = {
         "plymotion": __version__,
         "python": platform.python_version(),
         "numpy": np.__version__,
     }
     if find_spec("numba"):
-        found["numba"] = numba_version()
-    return found
+        versions["numba"] = numba_version()
+    return versions
 
 
 # Room on the disk that a run will take.

@@ -101,10 +101,10 @@ class Prepared:
         """
         passage, t_end = self.passage, solution.t[-1]
         # Two monitors may ask for a stop in the same step; what is beyond the earlier one is cut.
-        found = [*self.spin.findings, *passage.findings]
+        findings = [*self.spin.findings, *passage.findings]
         if self.buckling is not None:
-            found += self.buckling.findings
-        met = [f for f in found if f.t is None or f.t <= t_end]
+            findings += self.buckling.findings
+        met = [f for f in findings if f.t is None or f.t <= t_end]
         jumps = passage.energy.findings(sudden=not is_smooth(self.mechanism))
         noticed = (*met, *self.notes, *passage.passed(), *jumps)
         return FinishedRun(
@@ -164,8 +164,10 @@ def prepare(
     if not np.isfinite(y0).all():
         raise FloatingPointError("the starting state is not finite")
     moved = moved_findings(mechanism, built, y0)
-    found = redundancy(built.model, y0, built.joint_names, t_end=solver.t_end)
-    built = replace(built, model=treated(built.model, treatment)._replace(redundant=found.count))
+    redundant = redundancy(built.model, y0, built.joint_names, t_end=solver.t_end)
+    built = replace(
+        built, model=treated(built.model, treatment)._replace(redundant=redundant.count)
+    )
     spins = SpinMonitor(built.model, built.body_names, stop=solver.on_invalid == "stop")
     passage = SingularityMonitor(
         built.model,
@@ -198,8 +200,8 @@ def prepare(
         spin=spins,
         passage=passage,
         buckling=_buckling(mechanism, built, spins),
-        notes=[*moved, *found.findings()],
-        independent=found.independent,
+        notes=[*moved, *redundant.findings()],
+        independent=redundant.independent,
         refused=refused,
         functions=tuple(functions[name] for name in built.callers),
     )
@@ -400,7 +402,7 @@ def histories_of(
     InputError
         As `prepare`, of another run.
     """
-    found: dict[str, tuple[Array, dict[str, Array]]] = {}
+    histories: dict[str, tuple[Array, dict[str, Array]]] = {}
     for run, names in needed(signals).items():
         other, own = runs[run], runs[run].mechanism.solver
         shared = {"output_step": solver.output_step, "t_end": min(own.t_end, solver.t_end)}
@@ -411,5 +413,5 @@ def histories_of(
         recordings = recorded(prepared.measured, finished.model, finished.blocks)
         blocks = [(recording, dict(rows)) for recording, rows in recordings]
         values = {name: np.concatenate([v[name] for _, v in blocks]) for name in names}
-        found[run] = np.concatenate([r.t for r, _ in blocks]), values
-    return found
+        histories[run] = np.concatenate([r.t for r, _ in blocks]), values
+    return histories

@@ -30,11 +30,11 @@ class _Turned(NamedTuple):
 
 def joint_coordinate(joint: BuiltJoint, coordinate: str) -> Callable[[Recording], Array]:
     """Return what gives a coordinate (k,) of a joint from its given start [rad or m]."""
-    found = COORDINATES[coordinate]
-    if isinstance(found, Displacement):
-        axis = found.axis
+    kind = COORDINATES[coordinate]
+    if isinstance(kind, Displacement):
+        axis = kind.axis
         return lambda recording: _shifts(recording, joint)[:, axis] - joint.shift[axis]
-    angle, key = found, object()
+    angle, key = kind, object()
 
     def angles(recording: Recording) -> Array:
         def compute(before: _Turned | None) -> tuple[Array, _Turned]:
@@ -51,11 +51,11 @@ def reaction(joint: BuiltJoint, signal: "ReactionSignal") -> Callable[[Recording
 
     def vectors(recording: Recording) -> Array:
         both = recording.reactions(joint.rows, signal.side)
-        found = both[:, :3] if signal.quantity == "force" else both[:, 3:]
+        values = both[:, :3] if signal.quantity == "force" else both[:, 3:]
         if signal.axes == "joint":
             one, _ = _ends(recording, joint)
-            found = np.einsum("kba,kb->ka", recording.axes(one), found)
-        return found
+            values = np.einsum("kba,kb->ka", recording.axes(one), values)
+        return values
 
     return vectors
 
@@ -82,19 +82,19 @@ def _angles(
     """
     one, two = _ends(recording, joint)
     frame, arm = (one, two) if angle.frame == 1 else (two, one)
-    found, rate = _angle(recording, frame, arm, angle)
+    angles, rate = _angle(recording, frame, arm, angle)
     t = recording.t
     if before is not None:
         t = np.concatenate([before.t[-1:], t])
-        found = np.concatenate([before.found[-1:], found])
+        angles = np.concatenate([before.found[-1:], angles])
         rate = np.concatenate([before.rate[-1:], rate])
     steps = 0.5 * (rate[1:] + rate[:-1]) * np.diff(t)
-    off = np.diff(found) - steps
+    off = np.diff(angles) - steps
     steps += off - 2.0 * np.pi * np.round(off / (2.0 * np.pi))
     if before is not None:
-        return _Turned(t[1:], found[1:], rate[1:], before.whole[-1] + np.cumsum(steps))
-    first = found[0] + _turns(recording, joint, angle, found[0])
-    return _Turned(t, found, rate, np.concatenate([[first], first + np.cumsum(steps)]))
+        return _Turned(t[1:], angles[1:], rate[1:], before.whole[-1] + np.cumsum(steps))
+    first = angles[0] + _turns(recording, joint, angle, angles[0])
+    return _Turned(t, angles, rate, np.concatenate([[first], first + np.cumsum(steps)]))
 
 
 def _angle(recording: Recording, frame: int, arm: int, angle: Angle) -> tuple[Array, Array]:
@@ -107,14 +107,14 @@ def _angle(recording: Recording, frame: int, arm: int, angle: Angle) -> tuple[Ar
     return np.arctan2(v, u), np.einsum("ka,ka->k", n, turning) / (u * u + v * v)
 
 
-def _turns(recording: Recording, joint: BuiltJoint, angle: Angle, found: float) -> float:
+def _turns(recording: Recording, joint: BuiltJoint, angle: Angle, angle_at: float) -> float:
     """Whole turns [rad] that a drive of the angle starts with."""
     model = recording.model
     for row in joint.rows[1:]:
         drive = CONSTRAINTS[NAMES[model.joint_kind[row]]]
         if isinstance(drive, Drive) and drive.coordinate == angle:
             start, _, _ = law_at(model, model.joint_law[row], recording.t[0])
-            return float(2.0 * np.pi * np.round((start - found) / (2.0 * np.pi)))
+            return float(2.0 * np.pi * np.round((start - angle_at) / (2.0 * np.pi)))
     return 0.0
 
 

@@ -59,8 +59,8 @@ def point_values(
 
     def vectors(recording: Recording) -> Array:
         def compute(before: Array | None) -> tuple[Array, Array]:
-            found = rotation_vectors(recording.axes(marker), before)
-            return found, found[-1].copy()
+            turns = rotation_vectors(recording.axes(marker), before)
+            return turns, turns[-1].copy()
 
         return recording.carried(key, compute)
 
@@ -123,15 +123,15 @@ def rotation_vectors(matrices: Array, before: Array | None = None) -> Array:
     A rotation vector is determined up to full turns about its axis. The one closest to the
     previous one is used; `before` (3,) is that before the first.
     """
-    found = np.zeros((len(matrices), 3))
+    vectors = np.zeros((len(matrices), 3))
     _rotation_vectors(
-        np.ascontiguousarray(matrices), np.zeros(3) if before is None else before, found
+        np.ascontiguousarray(matrices), np.zeros(3) if before is None else before, vectors
     )
-    return found
+    return vectors
 
 
 @lean
-def _rotation_vectors(A: Array, before: Array, found: Array) -> None:
+def _rotation_vectors(A: Array, before: Array, vectors: Array) -> None:
     b0, b1, b2 = before[0], before[1], before[2]  # the previous one
     for k in range(A.shape[0]):
         x = (A[k, 0, 0], A[k, 1, 0], A[k, 2, 0])
@@ -148,4 +148,4 @@ def _rotation_vectors(A: Array, before: Array, found: Array) -> None:
         turns = np.floor((b0 * a0 + b1 * a1 + b2 * a2 - angle) / (2.0 * np.pi) + 0.5)
         whole = angle + 2.0 * np.pi * turns
         b0, b1, b2 = whole * a0, whole * a1, whole * a2
-        found[k, 0], found[k, 1], found[k, 2] = b0, b1, b2
+        vectors[k, 0], vectors[k, 1], vectors[k, 2] = b0, b1, b2

@@ -101,8 +101,8 @@ class Cut:
         columns = [
             [np.interp(x, self.along, shape[:, a]) for a in range(6)] for shape in self.shapes
         ]
-        found = np.array(columns).reshape(len(self.shapes), 6, len(x))
-        return np.ascontiguousarray(np.moveaxis(found, (0, 1, 2), (2, 1, 0)))
+        motion = np.array(columns).reshape(len(self.shapes), 6, len(x))
+        return np.ascontiguousarray(np.moveaxis(motion, (0, 1, 2), (2, 1, 0)))
 
     def _slices(self, M_E: Array) -> None:
         """Set mass, mass centres, rotary inertia and motion of the slices beyond, p of them."""

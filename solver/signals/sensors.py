@@ -66,7 +66,7 @@ class Turns:
         number = len(self._followed)
         self._followed.append(values)
 
-        def found(recording: Recording) -> Array:
+        def joined(recording: Recording) -> Array:
             value = values(recording)
             near = self._about(number, recording.t, value)
             one, about = (each.reshape(len(value), -1) for each in (value, near))
@@ -83,7 +83,7 @@ class Turns:
                 missing = missing[last]
             return (one + 2.0 * np.pi * missing[:, None] * axis).reshape(value.shape)
 
-        return found
+        return joined
 
     def __call__(self, t: Array, y: Array) -> None:
         """Follow steps with the ends t (k + 1,), y (k + 1, n); the first is that of the last."""
@@ -92,15 +92,15 @@ class Turns:
             return
         recording = Recording(self._model, t[first:], y[first:], self._memory)
         for number, values in enumerate(self._followed):
-            found = values(recording)
+            latest = values(recording)
             if not first:
-                self._last.append((recording.t, found))
-                self._near.append(np.full((self.times.size, *found.shape[1:]), np.nan))
+                self._last.append((recording.t, latest))
+                self._near.append(np.full((self.times.size, *latest.shape[1:]), np.nan))
             else:
                 time, value = self._last[number]
                 self._last[number] = (
                     np.concatenate([time[-1:], recording.t]),
-                    np.concatenate([value[-1:], found]),
+                    np.concatenate([value[-1:], latest]),
                 )
             begin, end = np.searchsorted(self.times, self._last[number][0][[0, -1]])
             end += end < self.times.size and self.times[end] == recording.t[-1]
@@ -110,8 +110,8 @@ class Turns:
         """Return values at times (k,) within the last steps."""
         time, value = self._last[number]
         columns = value.reshape(time.size, -1).T
-        found = np.array([np.interp(t, time, column) for column in columns])
-        return found.T.reshape(t.size, *value.shape[1:])
+        interpolated = np.array([np.interp(t, time, column) for column in columns])
+        return interpolated.T.reshape(t.size, *value.shape[1:])
 
     def _about(self, number: int, t: Array, value: Array) -> Array:
         """Return values near those at times (k,); nan where no step was seen."""
@@ -151,10 +151,10 @@ def combined(
         Signals of different units.
     """
     names = signal.of if signal.kind == "norm" else [signal.of]
-    found = [measuring(part) for part in names]
-    looks = [look for _, _, look in found if look is not None]
-    units = [unit for unit, _, _ in found]
-    terms = [values for _, values, _ in found]
+    measured = [measuring(part) for part in names]
+    looks = [look for _, _, look in measured if look is not None]
+    units = [unit for unit, _, _ in measured]
+    terms = [values for _, values, _ in measured]
     if signal.run is not None:
         there = names if signal.kind == "norm" else [signal.minus or signal.of]
         terms = [
@@ -260,7 +260,7 @@ def sensors(
             measured[name] = unit, values, look
         return measured[name]
 
-    found = {}
+    sensors_by_name = {}
     for name, signal in signals.items():
         if (wanted is not None and name not in wanted) or (
             histories is None and needed(with_parts([name], signals))
@@ -271,8 +271,8 @@ def sensors(
         if signal.kind == "ply_stress":
             life = stress_life(materials or {}, built.packages[signal.body], signal)
         scale = signal.divide_by or 1.0
-        found[name] = Sensor(unit, signal.description, values, look, life, scale)
-    return found
+        sensors_by_name[name] = Sensor(unit, signal.description, values, look, life, scale)
+    return sensors_by_name
 
 
 def recorded(

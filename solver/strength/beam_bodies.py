@@ -113,15 +113,15 @@ class BeamSearch:
         keys = [(plies[ply], name) for ply in search.plies]
         known = [self._peaks.get(key) for key in keys]
         floors = np.array([0.0 if peak is None else peak.exposure for peak in known])
-        found = search.peaks.peaks(F, search.group, floors, float(along[station]))
-        along[station] = found.top
+        peaks = search.peaks.peaks(F, search.group, floors, float(along[station]))
+        along[station] = peaks.top
         for g, peak in enumerate(known):
-            if peak is None or found.exposure[g] > peak.exposure:
-                instant, point = int(found.instant[g]), int(found.point[g])
+            if peak is None or peaks.exposure[g] > peak.exposure:
+                instant, point = int(peaks.instant[g]), int(peaks.point[g])
                 row = int(search.points[point])
                 x2, x3 = at = search.recovery.points[row]
                 self._peaks[keys[g]] = CriticalPoint(
-                    float(found.exposure[g]),
+                    float(peaks.exposure[g]),
                     search.peaks,
                     point,
                     F[:, instant].copy(),

@@ -88,8 +88,8 @@ def rainflow_cycles(points: Iterable[float]) -> Cycles:
     """Count the cycles of a history, or of its turning points."""
     from rainflow import extract_cycles
 
-    found = np.array([cycle[:3] for cycle in extract_cycles(points)]).reshape(-1, 3)
-    return Cycles(*found.T)
+    cycles = np.array([cycle[:3] for cycle in extract_cycles(points)]).reshape(-1, 3)
+    return Cycles(*cycles.T)
 
 
 def fatigue_summary(cycles: Cycles, line: StressLife) -> dict[str, object]:

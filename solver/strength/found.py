@@ -98,20 +98,20 @@ def ranked(
     )
 
 
-def summary(found: BodyStrength) -> dict[str, Any]:
+def summary(strength: BodyStrength) -> dict[str, Any]:
     """The entry of a body in summary.json."""
-    failure = found.governing
+    failure = strength.governing
     return {
         **_entry(failure),
         "stress": {
             "unit": "Pa",
             **dict(zip(STRESSES, map(float, failure.stress_M), strict=True)),
         },
-        "criteria": {name: _entry(each) for name, each in found.worst.items()},
-        "plies": [_entry(each) for each in found.plies],
+        "criteria": {name: _entry(each) for name, each in strength.worst.items()},
+        "plies": [_entry(each) for each in strength.plies],
         "along_beam": {
-            "x": found.station_x.tolist(),
-            "exposure": {name: values.tolist() for name, values in found.exposure.items()},
+            "x": strength.station_x.tolist(),
+            "exposure": {name: values.tolist() for name, values in strength.exposure.items()},
         },
     }
 

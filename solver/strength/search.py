@@ -238,13 +238,13 @@ def exposures_at(places: Sequence[Place], held: tuple[IntArray, IntArray], q: Ar
     held : place and point at each time (t,)
     q : modal coordinates (t, m)
     """
-    found = np.zeros(len(q))
+    exposures = np.zeros(len(q))
     for number in distinct(held[0]).tolist():
         resultants_E, search = places[number]
         at = np.flatnonzero((held[0] == number) & (held[1] >= 0))
         F = resultants_E @ q[at].T
-        found[at] = _exposures(search, F, held[1][at], np.arange(at.size))
-    return found
+        exposures[at] = _exposures(search, F, held[1][at], np.arange(at.size))
+    return exposures
 
 
 def raise_to_peaks(search: PeakSearch, F: Array, top: Array) -> None:
@@ -262,15 +262,15 @@ def raise_to_peaks(search: PeakSearch, F: Array, top: Array) -> None:
         return
     if len(search.bounds) <= FEW:
         for point in range(len(search.bounds)):
-            found = _exposures(search, F, np.full(live.size, point), live)
-            top[live] = np.maximum(top[live], found)
+            exposures = _exposures(search, F, np.full(live.size, point), live)
+            top[live] = np.maximum(top[live], exposures)
         return
     upper = search.bounds @ parts[:, live]  # (p, instants)
     lead = np.argmax(upper, axis=0)
     number, times = np.unique(lead, return_counts=True)
     for point in number[np.argsort(-times, kind="stable")[:LEADS]]:
-        found = _exposures(search, F, np.full(live.size, point), live)
-        top[live] = np.maximum(top[live], found)
+        exposures = _exposures(search, F, np.full(live.size, point), live)
+        top[live] = np.maximum(top[live], exposures)
     top[live] = np.maximum(top[live], _exposures(search, F, lead, live))
     points, instants = np.nonzero(upper > top[live])
     for first in range(0, points.size, AT_ONCE // 36):

@@ -78,9 +78,9 @@ class ShellSearch:
     ) -> None:
         self._cells = cells
         self._searches = [
-            _Search(row, laminate, *found)
+            _Search(row, laminate, *searches)
             for row, laminate in enumerate(laminates)
-            for found in ply_searches(laminate, range(len(laminate.plies)))
+            for searches in ply_searches(laminate, range(len(laminate.plies)))
         ]
         self._centre_B = cell_centres(package, cells)
         self._strip, self._middle = _strips(self._centre_B[:, 0])
@@ -177,10 +177,10 @@ class _Search:
             instant = np.minimum(starts[block][:, None] + np.arange(BLOCK), len(q) - 1)
             F = np.einsum("kim,ktm->kti", R[cell], q[instant], optimize=True)
             stress = np.einsum("pij,ktj->ktpi", self.peaks.stress_M, F, optimize=True)
-            found = self.peaks.criterion.assess(stress, self.peaks.strength).exposure
-            k, t, p = (int(n) for n in np.unravel_index(np.argmax(found), found.shape))
-            if found[k, t, p] > best:
-                best = float(found[k, t, p])
+            exposures = self.peaks.criterion.assess(stress, self.peaks.strength).exposure
+            k, t, p = (int(n) for n in np.unravel_index(np.argmax(exposures), exposures.shape))
+            if exposures[k, t, p] > best:
+                best = float(exposures[k, t, p])
                 place = _Place(int(cell[k]), p, int(instant[k, t]))
             first, count = first + count, min(2 * count, MOST)
         return best, place

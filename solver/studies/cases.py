@@ -120,9 +120,9 @@ RECORD = "finished.json"
 MOST = 32  # commands that are remembered for a folder
 
 
-def request_of(file: Path, words: dict[str, object]) -> str:
+def request_of(file: Path, options: dict[str, object]) -> str:
     """Return a name for what a command was asked to do."""
-    return json.dumps({"case": str(file.resolve()), **words}, sort_keys=True)
+    return json.dumps({"case": str(file.resolve()), **options}, sort_keys=True)
 
 
 def finished_before(out: Path, request: str) -> tuple[int, str] | None:
@@ -186,10 +186,10 @@ def _program() -> list[str]:
 
 def _commands(out: Path) -> dict[str, Any]:
     try:
-        found = json.loads((out / RECORD).read_text(encoding="utf-8"))["commands"]
+        commands = json.loads((out / RECORD).read_text(encoding="utf-8"))["commands"]
     except (OSError, ValueError, KeyError, TypeError, RecursionError):
         return {}
-    return found if isinstance(found, dict) else {}
+    return commands if isinstance(commands, dict) else {}
 
 
 def _same(folder: Path, states: dict[str, object]) -> bool:

@@ -70,10 +70,10 @@ def compile_ahead(*, everything: bool = False) -> str:
         complete = True
     finally:
         workers.close(at_once=not complete)
-    words = f"step loop ready in {time.perf_counter() - begin:.1f} s, {made} functions compiled"
+    text = f"step loop ready in {time.perf_counter() - begin:.1f} s, {made} functions compiled"
     if kept:
         note("compiled ahead", solver_sha256())
-    return words if kept else f"{words}; no folder for them can be written: not kept"
+    return text if kept else f"{text}; no folder for them can be written: not kept"
 
 
 def compile_once() -> None:

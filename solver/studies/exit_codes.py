@@ -17,8 +17,8 @@ INCOMPLETE = 3  # a run ended early, or its results are not valid to the end; wh
 
 def worst(codes: Iterable[int]) -> int:
     """Return the exit code of several parts of a command."""
-    found = set(codes)
-    return next((code for code in (INTERRUPTED, DEFECT, INPUT, INCOMPLETE) if code in found), 0)
+    present = set(codes)
+    return next((code for code in (INTERRUPTED, DEFECT, INPUT, INCOMPLETE) if code in present), 0)
 
 
 # Internal errors: one sentence on the screen, the traceback in a file.

@@ -186,9 +186,9 @@ def _ending(summary: Summary) -> str:
 def _lines(summary: Summary, timing: bool) -> list[str]:
     cost = summary["cost"]
     ending = _ending(summary)
-    words = ending if ending == DONE or not summary["completed"] else f"{ending}, ended"
+    outcome = ending if ending == DONE or not summary["completed"] else f"{ending}, ended"
     text = [
-        f"{summary['run']}: {words} at t = {summary['t_end']:.4g} s, "
+        f"{summary['run']}: {outcome} at t = {summary['t_end']:.4g} s, "
         f"{cost['steps']} steps, {cost['solve_s']:.2f} s"
     ]
     if "fidelity" in summary:
@@ -204,14 +204,18 @@ def _lines(summary: Summary, timing: bool) -> list[str]:
 
 def error_bars_line(summary: Summary) -> str:
     """Return the error bars of a run as a line."""
-    found = summary["error_bars"]
+    bars_entry = summary["error_bars"]
     bars = [
         f"{name} {signal['error_bar']:.2g} {signal['unit']}"
         for name, signal in summary["signals"].items()
         if signal["error_bar"] is not None
     ]
-    without = f"without {', '.join(found['not_contained'])}" if found["not_contained"] else ""
-    return f"error bars: {few([found['reason']] if found['reason'] else bars)} ({without})"
+    without = (
+        f"without {', '.join(bars_entry['not_contained'])}" if bars_entry["not_contained"] else ""
+    )
+    return (
+        f"error bars: {few([bars_entry['reason']] if bars_entry['reason'] else bars)} ({without})"
+    )
 
 
 def _here(tasks: list[_Task]) -> Iterator[Outcome]:

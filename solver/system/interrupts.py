@@ -201,10 +201,10 @@ def of_a_signal(error: BaseException) -> bool:
     that comes while a module is imported into an ImportError, Pydantic into a SchemaError; without
     a trace of it. After a signal, therefore, each is taken for one.
     """
-    found: BaseException | None = error
-    while found is not None and not isinstance(found, KeyboardInterrupt):
-        found = found.__cause__ or found.__context__
-    return stop_requested() or found is not None
+    cause: BaseException | None = error
+    while cause is not None and not isinstance(cause, KeyboardInterrupt):
+        cause = cause.__cause__ or cause.__context__
+    return stop_requested() or cause is not None
 
 
 def passed_to_children(stop: Any, processes: Callable[[], list[int]]) -> Any:

@@ -18,10 +18,10 @@ MODULES = ("mpi4py.MPI", "petsc4py.PETSc", "slepc4py.SLEPc", "dolfinx", "gmsh", 
 def probe() -> dict:
     """Versions and problems found: {"dolfinx": "0.9.0", "problems": {module: reason}}."""
     problems: dict = {}
-    found = {"python": sys.executable, "problems": problems}
+    report = {"python": sys.executable, "problems": problems}
     if sys.version_info < (3, 11):
         problems["python"] = f"{sys.version_info[0]}.{sys.version_info[1]} is older than 3.11"
-        return found
+        return report
     loaded = {}
     for name in MODULES:
         try:
@@ -29,7 +29,7 @@ def probe() -> dict:
         except Exception as error:  # a broken library can raise anything on import
             problems[name.split(".")[0]] = f"{type(error).__name__}: {error}"
     if "dolfinx" in loaded:
-        found["dolfinx"] = loaded["dolfinx"].__version__
+        report["dolfinx"] = loaded["dolfinx"].__version__
     if "petsc4py.PETSc" in loaded:
         numpy = importlib.import_module("numpy")
         if numpy.issubdtype(loaded["petsc4py.PETSc"].ScalarType, numpy.complexfloating):
@@ -39,7 +39,7 @@ def probe() -> dict:
             compile_form(loaded["mpi4py.MPI"])
         except Exception as error:  # any error of the compiler or the loader
             problems["compiler"] = f"{type(error).__name__}: {error}"
-    return found
+    return report
 
 
 def compile_form(MPI) -> None:  # type: ignore[no-untyped-def]

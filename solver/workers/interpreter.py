@@ -124,11 +124,11 @@ def find_interpreter() -> str:
         return python
     if known:
         return known[0]  # it was checked when it was recorded
-    found, refused = present(folders)
-    if found is None:
+    interpreter, refused = present(folders)
+    if interpreter is None:
         tried = "".join(f"\n  {report['python']}: {reasons(report)}" for report in refused)
         raise InputError(
             "no Python with FEniCSx found; FENICSX_PYTHON names one with real-scalar DOLFINx, "
             f"slepc4py and gmsh. Tried:{tried}\n{HOW_TO_INSTALL_FENICSX}"
         )
-    return str(found["python"])
+    return str(interpreter["python"])

@@ -341,12 +341,12 @@ def preprocessors(progress: Callable[[str], None]) -> Iterator[None]:
 def _end_all(*, at_once: bool) -> None:
     """End the preprocessors that this process has started."""
     with _lock:
-        found = [own for own in (*_idle, *_busy) if own.made_in[1] == os.getpid()]
+        servers = [own for own in (*_idle, *_busy) if own.made_in[1] == os.getpid()]
         _idle.clear()
         _busy.clear()
-    for own in found if at_once else ():
+    for own in servers if at_once else ():
         own.interrupt()
-    for own in found:
+    for own in servers:
         if own.timer is not None:
             own.timer.cancel()
         own.end(CLEANUP_S if at_once else END_S)
@@ -422,8 +422,10 @@ class _Specifications:
         if result["status"] == "built" and (changed := _changed_mesh(task.content)):
             # Nobody knows which content was read: the file would be taken for that of the first.
             task.content.with_suffix(".vtkhdf").unlink(missing_ok=True)
-            words = f"{changed}: was changed while it was analysed; the same command does it again"
-            result = result | {"status": "failed", "error": words}
+            message = (
+                f"{changed}: was changed while it was analysed; the same command does it again"
+            )
+            result = result | {"status": "failed", "error": message}
         self._crashes = self._crashes + 1 if "crashed" in result else 0
         if self._crashes == MOST_CRASHES:
             raise InputError(f"the preprocessor does not run: {result['crashed']}")

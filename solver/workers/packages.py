@@ -33,12 +33,12 @@ class BodiesFailed(InputError):
 
 def specs_of(out: Path, runs: Sequence[str]) -> list[Path]:
     """Return the specifications of the bodies of some runs in a folder of `check`, each once."""
-    found: dict[Path, None] = {}
+    specs: dict[Path, None] = {}
     for run in runs:
         for entry in named_packages(out / "runs" / f"{run}.json"):
             if "inputs_sha256" in entry:
-                found[out / "bodies" / f"{Path(entry['file']).stem}.json"] = None
-    return list(found)
+                specs[out / "bodies" / f"{Path(entry['file']).stem}.json"] = None
+    return list(specs)
 
 
 def build_needed(files: Sequence[Path]) -> None:
@@ -75,13 +75,13 @@ def needed_specs(named: Mapping[Path, Sequence[Entry]]) -> dict[Path, list[Path]
     ----------
     named : run and sweep files with their `named_packages`
     """
-    found: dict[Path, dict[Path, None]] = {}
+    specs_by_folder: dict[Path, dict[Path, None]] = {}
     for file, entries in named.items():
         for entry in entries:
             if "inputs_sha256" in entry:  # others are packages of the user
                 spec = file.parent.parent / Path(entry["file"]).with_suffix(".json")
-                found.setdefault(spec.parent, {})[spec] = None
-    return {folder: list(specs) for folder, specs in found.items()}
+                specs_by_folder.setdefault(spec.parent, {})[spec] = None
+    return {folder: list(specs) for folder, specs in specs_by_folder.items()}
 
 
 def named_packages(file: Path) -> list[Entry]:
@@ -157,6 +157,6 @@ def _tell(spec: Path, line: Line) -> None:
         LOGGER.info("%s: %s", spec.stem, line["text"] or line["status"])
         return
     if line["defect"]:
-        words = "this is an error of the preprocessor, not of the input:"
-        LOGGER.error("%s%s", line["defect"], words)
+        message = "this is an error of the preprocessor, not of the input:"
+        LOGGER.error("%s%s", line["defect"], message)
     LOGGER.error("error: %s: %s", spec, line["error"])

@@ -35,12 +35,12 @@ def opened(path: Path, what: str, kinds: tuple[str, ...]) -> Any:
             f"expected `pip install {PACKAGE}` (with VTK, 0.7 GB)"
         ) from error
     try:
-        found = library.read_binary(str(path))
+        binary = library.read_binary(str(path))
     except Exception as error:  # whatever a damaged file makes of it
         raise InputError(f"{path}: expected {what} of ANSYS ({error})") from error
-    if type(found).__name__ not in kinds:
-        raise InputError(f"{path}: expected {what} of ANSYS, found {type(found).__name__}")
-    return found
+    if type(binary).__name__ not in kinds:
+        raise InputError(f"{path}: expected {what} of ANSYS, found {type(binary).__name__}")
+    return binary
 
 
 def mesh_of(path: Path) -> tuple[IntArray, Array, Cells, Any]:
@@ -98,14 +98,14 @@ def matrices(path: Path) -> tuple[IntArray, sp.csr_matrix, sp.csr_matrix]:
 def body_of(
     files: Files,
     path: Path,
-    found: tuple[IntArray, sp.csr_matrix, sp.csr_matrix],
+    matrices: tuple[IntArray, sp.csr_matrix, sp.csr_matrix],
     mesh: tuple[IntArray, Array, Cells],
 ) -> FreeBody:
     """Complete the matrices of `matrices`, and check that nothing was held.
 
     mesh : labels, coordinates, cells
     """
-    dofs, K, M = found
+    dofs, K, M = matrices
     others = np.flatnonzero((dofs[:, 1] < 0) | (dofs[:, 1] >= len(DIRECTIONS)))
     if len(others):
         raise InputError(

@@ -27,15 +27,15 @@ def skew(v: Any) -> Any:
 
 def read(file: Path = FILE) -> dict[str, Any]:
     """Datasets of the package by path."""
-    found = {}
+    datasets = {}
 
     def visit(path: str, item: Any) -> None:
         if isinstance(item, h5py.Dataset):
-            found[path] = item[()]
+            datasets[path] = item[()]
 
     with h5py.File(file) as h5:
         h5["modal_package"].visititems(visit)
-    return found
+    return datasets
 
 
 AROUND = np.concatenate([np.eye(3), -np.eye(3)])  # ways to nodes about an interface, over ARM
@@ -112,11 +112,11 @@ def add_body(mbs: Any, file: Path = FILE, **options: Any) -> dict[str, Any]:
     body.SetWithDictionary(exudyn_data(p))
     m = len(p["modes/mass"])
     body.massMatrixFFRFreduced = np.zeros((7 + m, 7 + m))
-    found = body.AddObjectFFRFreducedOrder(mbs, **options)
+    objects = body.AddObjectFFRFreducedOrder(mbs, **options)
     damping = exudyn.MatrixContainer()
     damping.SetWithDenseMatrix(p["modes/damping"], useDenseMatrix=True)
-    mbs.SetObjectParameter(found["oFFRFreducedOrder"], "dampingMatrixReduced", damping)
-    return {**found, "package": p}
+    mbs.SetObjectParameter(objects["oFFRFreducedOrder"], "dampingMatrixReduced", damping)
+    return {**objects, "package": p}
 
 
 def add_weight(mbs: Any, body: dict[str, Any], gravity: Any) -> Any:

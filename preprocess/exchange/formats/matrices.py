@@ -90,12 +90,12 @@ def _wrong_line(path: Path, columns: int) -> InputError:
         next(lines)
         for number, line in lines:
             try:
-                found = len([float(word) for word in line.split()])
+                count = len([float(word) for word in line.split()])
             except ValueError:
-                found = 0
-            if found != columns:
-                words = f"expected {columns} numbers, found {line[:60]!r}"
-                return InputError(f"{path}:{number}: {words}")
+                count = 0
+            if count != columns:
+                message = f"expected {columns} numbers, found {line[:60]!r}"
+                return InputError(f"{path}:{number}: {message}")
     return InputError(f"{path}: expected lines of {columns} numbers")
 
 
@@ -153,7 +153,7 @@ def _nodes(path: Path) -> tuple[IntArray, Array]:
 
 
 def _dofs(path: Path) -> IntArray:
-    found = []
+    dofs = []
     for number, row in table_rows(path, "node, direction"):
         direction = DIRECTIONS.get(row[1].lower()) if len(row) == 2 else None
         if direction is None or not row[0].isdecimal():
@@ -161,8 +161,8 @@ def _dofs(path: Path) -> IntArray:
                 f"{path}:{number}: expected node, direction (x y z rx ry rz or 1 to 6); found "
                 f"{', '.join(row)}"
             )
-        found.append((int(row[0]), direction))
-    return np.array(found, dtype=np.int64)
+        dofs.append((int(row[0]), direction))
+    return np.array(dofs, dtype=np.int64)
 
 
 def _cells(path: Path, ids: IntArray) -> Cells:

@@ -91,7 +91,7 @@ def modal_package(body: ModalBody, table: Reduction, files: Files) -> ModalPacka
     inertia = np.zeros((len(masses), 3, 3))
     for k, (i, j) in enumerate(PARTS.values(), 1):
         inertia[:, i, j] = inertia[:, j, i] = masses[:, k]
-    found = Measurement(
+    measurement = Measurement(
         body=table["body"],
         held=_held(body.where, table),
         interfaces=places,
@@ -108,7 +108,7 @@ def modal_package(body: ModalBody, table: Reduction, files: Files) -> ModalPacka
     )
     notes = provenance(table, files.notes(), len(body.nodes), "masses of the nodes")
     try:
-        return experimental_package(found, notes)
+        return experimental_package(measurement, notes)
     except InputError as error:
         raise InputError(f"{body.where}: {error}") from error
 
@@ -131,10 +131,10 @@ def _held(where: str, table: Reduction) -> str | None:
 
 def _masses(body: ModalBody, files: Files, length: float, mass: float) -> Array:
     """Mass and six inertias of the nodes, (n, 7), in SI."""
-    found = np.zeros((len(body.nodes), 7))
+    masses = np.zeros((len(body.nodes), 7))
     if body.mass is not None:
-        found[:, 0] = body.mass * mass
-        return found
+        masses[:, 0] = body.mass * mass
+        return masses
     path = files.path("masses")
     for number, row in table_rows(path, "node, mass, Jxx, Jyy, Jzz, Jxy, Jxz, Jyz"):
         try:
@@ -146,10 +146,10 @@ def _masses(body: ModalBody, files: Files, length: float, mass: float) -> Array:
                 f"{path}:{number}: expected node, mass [, six inertias]; found {', '.join(row)}"
             )
         at = int(rows_of(np.array([label]), body.node_ids, f"{path}:{number}")[0])
-        found[at, : len(values)] = values
-    if not (found[:, 0] >= 0.0).all() or not found[:, 0].sum() > 0.0:
+        masses[at, : len(values)] = values
+    if not (masses[:, 0] >= 0.0).all() or not masses[:, 0].sum() > 0.0:
         raise InputError(f"{path}: expected masses >= 0 with a sum > 0")
-    return found * mass * np.array([1.0, *[length**2] * 6])
+    return masses * mass * np.array([1.0, *[length**2] * 6])
 
 
 def _lines(body: ModalBody) -> list[list[int]]:

@@ -163,8 +163,8 @@ def stiffnesses(package: ModalPackage, chain: Chain, aim: Array) -> tuple[Array,
 
     def gap(p: Array) -> Array:
         K = np.diag(scaled(p).ravel()[turned])
-        found = np.sqrt(eigvalsh(K, inner, subset_by_index=[0, aim.size - 1]))
-        return np.append(np.log(found / aim), 1e-4 * p)
+        frequencies = np.sqrt(eigvalsh(K, inner, subset_by_index=[0, aim.size - 1]))
+        return np.append(np.log(frequencies / aim), 1e-4 * p)
 
     return scaled(least_squares(gap, np.zeros(9)).x), M
 

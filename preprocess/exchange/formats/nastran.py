@@ -136,7 +136,7 @@ def read_op4(path: Path) -> dict[str, sp.csr_matrix]:
     """
     data = path.read_bytes()
     order = "<" if data[:4] != b"" and int.from_bytes(data[:4], "little") in HEADER else ">"
-    found: dict[str, sp.csr_matrix] = {}
+    matrices: dict[str, sp.csr_matrix] = {}
     records = _records(data, order, path)
     for record in records:
         columns, rows, _, kind = np.frombuffer(record[:16], f"{order}i4").tolist()
@@ -160,10 +160,10 @@ def read_op4(path: Path) -> dict[str, sp.csr_matrix]:
         else:
             raise InputError(f"{path}: matrix {name}: the file ends before its last column")
         at_rows, at_columns, value = (np.concatenate(part) for part in zip(*entries, strict=True))
-        found[name] = sp.csr_matrix((value, (at_rows, at_columns)), (abs(rows), columns))
-    if not found:
+        matrices[name] = sp.csr_matrix((value, (at_rows, at_columns)), (abs(rows), columns))
+    if not matrices:
         raise InputError(f"{path}: no matrix; expected a binary OUTPUT4 file")
-    return found
+    return matrices
 
 
 def _records(data: bytes, order: str, path: Path) -> Iterator[bytes]:
@@ -244,15 +244,15 @@ def _used(A: sp.csr_matrix) -> IntArray:
 
 def _matrix(files: Files, key: str) -> sp.csr_matrix:
     path = files.path(key if key in files else "matrices")
-    found = read_op4(path)
+    matrices = read_op4(path)
     for name in NAMES[key]:
-        if name in found:
-            A = found[name]
+        if name in matrices:
+            A = matrices[name]
             one_triangle = not (sp.triu(A, 1).nnz and sp.tril(A, -1).nnz)
             # MYSTRAN writes form 1 and both triangles; others one triangle of form 6.
             return sp.csr_matrix(A + A.T - sp.diags(A.diagonal())) if one_triangle else A
     raise InputError(
-        f"{path}: matrices {', '.join(found)}; expected {' or '.join(NAMES[key])} for {key}"
+        f"{path}: matrices {', '.join(matrices)}; expected {' or '.join(NAMES[key])} for {key}"
     )
 
 

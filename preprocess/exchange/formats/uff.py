@@ -57,18 +57,18 @@ def read(files: Files) -> ModalBody:
 
 def _datasets(path: Path) -> list[tuple[int, list[str]]]:
     """Number and lines of each dataset between two lines -1."""
-    found: list[tuple[int, list[str]]] = []
+    datasets: list[tuple[int, list[str]]] = []
     inside: list[str] | None = None
     for line in text_lines(path):
         if line.strip() == "-1":
             if inside:
-                found.append((int(inside[0].split()[0].rstrip("b")), inside[1:]))
+                datasets.append((int(inside[0].split()[0].rstrip("b")), inside[1:]))
             inside = None if inside is not None else []
         elif inside is not None:
             inside.append(line)
     if inside:
         raise InputError(f"{path}: truncated: the last dataset has no end (a line -1)")
-    return found
+    return datasets
 
 
 def _mode(path: Path, lines: list[str]) -> tuple[float, float, dict[int, list[float]]]:

@@ -143,8 +143,8 @@ def _neighbours(mesh: CellMesh, where: str) -> sp.csr_matrix:
         )
     place = np.searchsorted(forward, backward, sorter=order)
     place = np.minimum(place, forward.size - 1)
-    found = forward[order[place]] == backward
-    cell, other = cells[found], cells[order[place[found]]]
+    matching = forward[order[place]] == backward
+    cell, other = cells[matching], cells[order[place[matching]]]
     c = mesh.n_cell
     return sp.csr_matrix((np.ones(cell.size, dtype=np.int8), (cell, other)), shape=(c, c))
 
@@ -187,8 +187,8 @@ def _one_part(mesh: CellMesh, neighbours: sp.csr_matrix, where: str) -> None:
 
 
 def _used(nodes: IntArray) -> IntArray:
-    found = np.unique(nodes)
-    return found[found >= 0]
+    used = np.unique(nodes)
+    return used[used >= 0]
 
 
 def _coincident(mesh: CellMesh, nodes: IntArray) -> IntArray:

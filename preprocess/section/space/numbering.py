@@ -169,13 +169,13 @@ class CellBlock:
     def functions(self, points: Array, some: IntArray) -> Array:
         """The functions u with u,2 and u,3 of some cells at points of the reference cell,
         (c, q, 3, k)."""
-        found = self.evaluated(with_slopes, points, some)
+        values = self.evaluated(with_slopes, points, some)
         # A translation has no strain. The rounding of compiled tables is the same in all cells, so
         # that it would add up: very thin strips lose half a digit by it.
-        found[:, :, 1:] -= found[:, :, :1] * found[:, :, 1:].sum(axis=-1, keepdims=True)
+        values[:, :, 1:] -= values[:, :, :1] * values[:, :, 1:].sum(axis=-1, keepdims=True)
         if self.filling is None:
-            return found
-        return np.asarray(found[..., fenicsx.order_of_nodes(KINDS[self.kind])] @ self.filling)
+            return values
+        return np.asarray(values[..., fenicsx.order_of_nodes(KINDS[self.kind])] @ self.filling)
 
     def map(self, points: Array, some: IntArray) -> Array:
         """Positions x2, x3 and determinant of the map of some cells at points, (c, q, 3)."""

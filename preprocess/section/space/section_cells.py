@@ -63,8 +63,8 @@ class CellMesh:
     @cached_property
     def of_kinds(self) -> list[tuple[int, IntArray]]:
         """Kinds that occur, and the cells of each one."""
-        found = [(kind, np.flatnonzero(self.kind == kind)) for kind in range(len(KINDS))]
-        return [(kind, rows) for kind, rows in found if rows.size]
+        groups = [(kind, np.flatnonzero(self.kind == kind)) for kind in range(len(KINDS))]
+        return [(kind, rows) for kind, rows in groups if rows.size]
 
     @cached_property
     def shapes(self) -> list[Array]:

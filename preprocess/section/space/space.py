@@ -316,8 +316,8 @@ class SectionSpace:
     def _sum(self, of_cells: Array) -> Array:
         """Loads (n_dof, m) from the contributions of the cells (c, k, 3 m)."""
         columns = of_cells.shape[-1]
-        found = self._to_nodes @ of_cells.reshape(-1, columns)
-        return self.team.total(found).reshape(self.n_dof, -1)
+        total = self._to_nodes @ of_cells.reshape(-1, columns)
+        return self.team.total(total).reshape(self.n_dof, -1)
 
     def at_corners_and_middles(self, W: Array) -> list[Array]:
         """Values of displacement columns (n_dof, m) at the 6 or 9 nodes of the map of each cell.

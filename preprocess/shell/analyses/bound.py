@@ -131,7 +131,7 @@ class Cuts:
         at = self._columns @ harmonics(self._angles).T
         g, _, a = at.shape
         values = np.einsum("ij,gja->iga", self._q / scale, at).reshape(-1, g * a)
-        found = linprog(
+        optimum = linprog(
             np.append(np.zeros(g * a), -1.0),
             A_ub=np.c_[-values, np.ones(len(values))],
             b_ub=self._c / scale,
@@ -139,15 +139,15 @@ class Cuts:
             b_eq=np.ones(g),
             bounds=[(0.0, None)] * (g * a) + [(None, None)],
         )
-        if found.status:
-            raise ShellError(f"bound: the linear program failed: {found.message}")
-        s = np.maximum(-found.ineqlin.marginals, 0.0)
+        if optimum.status:
+            raise ShellError(f"bound: the linear program failed: {optimum.message}")
+        s = np.maximum(-optimum.ineqlin.marginals, 0.0)
         s /= s.sum()
         combined = np.einsum("i,ij,gjh->gh", s, self._q, self._columns)
         values = combined @ harmonics(FINE).T
         curvature = np.abs(combined) @ np.array([4.0, 4.0, 16.0, 16.0])
         between = 0.5 * curvature * np.radians(0.5 * (FINE[1] - FINE[0])) ** 2
-        shares = found.x[:-1].reshape(g, a)
+        shares = optimum.x[:-1].reshape(g, a)
         mixture = Mixture(
             np.einsum("gja,ga->j", at, shares),
             self._angles[shares.argmax(axis=1)],
@@ -239,8 +239,8 @@ def frequency(stressed: Stressed, where: str) -> Quantity:
     free_motions = as_columns(freedom, *motions)
 
     def modes(K: sp.csr_matrix) -> tuple[Array, Array]:
-        found = natural_modes(K, M, freedom, MODES, free_motions)
-        return found.values[found.n_zero :], found.shapes[:, found.n_zero :]
+        vibrations = natural_modes(K, M, freedom, MODES, free_motions)
+        return vibrations.values[vibrations.n_zero :], vibrations.shapes[:, vibrations.n_zero :]
 
     def hertz(value: float) -> float:
         return float(np.sqrt(value)) / (2.0 * np.pi)
@@ -272,11 +272,11 @@ def load_factor(stressed: Stressed, where: str) -> Quantity:
 
     def modes(K: sp.csr_matrix) -> tuple[Array, Array]:
         equations = Buckling(K, freedom, where)
-        found = equations.load_factors(Kg, MODES, where)
+        factors = equations.load_factors(Kg, MODES, where)
         equations.close()
-        if not len(found.values):
+        if not len(factors.values):
             raise ShellError(f"{where} = 'buckling': no buckling under load case {case}")
-        return found.values, found.shapes
+        return factors.values, factors.shapes
 
     return Quantity(modes, lambda X: -(X.T @ (Kg @ X)), float, "", case)
 

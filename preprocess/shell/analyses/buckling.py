@@ -93,12 +93,12 @@ class Buckling:
                 mu, X, back = self._both_ends(G, wanted)
                 values = 1.0 / mu
                 last = _level(values, count)
-                found = self._negative(last * G) if len(values) else 0
+                negative = self._negative(last * G) if len(values) else 0
                 below = int(np.count_nonzero(values < last))
-                if found == below:
+                if negative == below:
                     break
                 # the iteration may miss one of two equal factors, as of a full cylinder
-                wanted = max(2 * wanted, found + 2)
+                wanted = max(2 * wanted, negative + 2)
         except (
             ArpackError,
             ArpackNoConvergence,
@@ -106,9 +106,10 @@ class Buckling:
             fenicsx.InertiaError,
         ) as error:
             raise ShellError(f"{where}: buckling: {error}") from error
-        if found != below:
+        if negative != below:
             raise ShellError(
-                f"{where}: {found} load factors are below {last:.6g}, the iteration found {below}; "
+                f"{where}: {negative} load factors are below {last:.6g}, the iteration found "
+                f"{below}; "
                 "ask for more of them (buckling.count)"
             )
         shapes = freedom.expanded(X[:, :count])
@@ -276,11 +277,11 @@ def buckling(
     check_supported(freedom, *problem.free_motions(freedom))
     K = stressed.stiffness(constant, f"{where}.constant", in_plane)
     equations = Buckling(K, freedom, where, problem.team)
-    found = {}
+    factors = {}
     for name in cases:
         Kg = stressed.geometric(name, f"{where}.cases", in_plane)
-        found[name] = equations.load_factors(Kg, count, f"{where}, load case {name}")
-        first = found[name].values[:1]
+        factors[name] = equations.load_factors(Kg, count, f"{where}, load case {name}")
+        first = factors[name].values[:1]
         turned = stressed.rotation(name) * float(first[0]) if len(first) else 0.0
         if turned > LARGE:
             warnings += coded(
@@ -289,7 +290,7 @@ def buckling(
                 f"{np.degrees(turned):.3g} deg, more than {np.degrees(LARGE):.3g}: linear buckling "
                 "assumes small displacements up to buckling; the real load may be far below",
             )
-        if len(first) and _moves_in_plane(problem.mesh.points_G, found[name].shapes[:, 0]):
+        if len(first) and _moves_in_plane(problem.mesh.points_G, factors[name].shapes[:, 0]):
             warnings += coded(
                 "buckles-in-plane",
                 f"load case {name}: the mode of the factor {first[0]:.4g} moves in the plane of "
@@ -297,7 +298,7 @@ def buckling(
                 "plane at two nodes); in_plane = false leaves such modes out",
             )
     equations.close()
-    return found
+    return factors
 
 
 def _moves_in_plane(points_G: Array, shape: Array) -> bool:

@@ -117,7 +117,7 @@ def read_probes(problem: ShellProblem) -> list[Probe]:
 
     Raises ShellError for an unknown group or quantity.
     """
-    found = []
+    probes = []
     for name, entry in problem.spec.get("probes", {}).items():
         where = f"{problem.where}.probes.{name}"
         what = entry.get("what")
@@ -127,10 +127,10 @@ def read_probes(problem: ShellProblem) -> list[Probe]:
                     f"{where}.what = {quantity!r}: expected some of {', '.join(KNOWN)}"
                     + did_you_mean(str(quantity), KNOWN)
                 )
-            found.append(_probe(problem, name, quantity, entry, where))
+            probes.append(_probe(problem, name, quantity, entry, where))
         if not what:
             raise ShellError(f"{where}.what: missing, expected some of {', '.join(KNOWN)}")
-    return found
+    return probes
 
 
 def _probe(

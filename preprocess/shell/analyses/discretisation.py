@@ -114,8 +114,8 @@ def _around(mesh: ShellMesh, normal: Array) -> tuple[IntArray, IntArray]:
     near = sp.coo_matrix(at @ at.T)
     smooth = np.abs((normal[near.row] * normal[near.col]).sum(axis=1)) > FOLD
     entries = (np.ones(smooth.sum()), (near.row[smooth], near.col[smooth]))
-    found = sp.coo_matrix(sp.csr_matrix(entries, shape=(c, c)) @ at)
-    return found.row, found.col
+    nearest = sp.coo_matrix(sp.csr_matrix(entries, shape=(c, c)) @ at)
+    return nearest.row, nearest.col
 
 
 STEPS = 3  # of the Krylov space
@@ -197,15 +197,15 @@ def energy_errors(finer: FinerMesh, energy: Array, *, slow: bool = False) -> Arr
     third = slow and finer.unknowns <= 4 * CHEAP
     try:
         fine = finer.energies()
-        found = FinerMesh(finer.problem, finer.begin).energies() if third else None
+        third_energies = FinerMesh(finer.problem, finer.begin).energies() if third else None
     except ShellError:
         return None
     loaded = energy > 0.0
     difference = (FIRST if slow else REST) * (energy - fine)
-    if found is not None:
+    if third_energies is not None:
         # Ratio of successive differences under halving: a quarter for second order, half for first;
         # negative where cells that are too soft stand beside cells that are too stiff.
-        one, two = energy - fine, fine - found
+        one, two = energy - fine, fine - third_energies
         with np.errstate(divide="ignore", invalid="ignore"):
             left = np.nan_to_num(two / one, nan=0.25)
         left = np.where(left < 0.0, LEFT, np.clip(left, 0.25, MOST_LEFT))
@@ -227,7 +227,7 @@ def at_points(problem: ShellProblem, key: str) -> set[str]:
 
 
 def load_factor_errors(
-    finer: FinerMesh, table: Mapping[str, Any], found: Mapping[str, LoadFactors]
+    finer: FinerMesh, table: Mapping[str, Any], by_case: Mapping[str, LoadFactors]
 ) -> dict[str, Array] | None:
     """Relative errors (m,) of load factors, above 0 if a factor is too high, by load case.
 
@@ -246,7 +246,7 @@ def load_factor_errors(
         equations = _Equations(finer, table.get("constant"), f"{where}.constant", in_plane)
     except (ShellError, fenicsx.FactorisationError):
         return None
-    for name, factors in found.items():
+    for name, factors in by_case.items():
         errors[name] = np.zeros(0)
         if len(factors.values) == 0:  # the case does not buckle the shell
             continue

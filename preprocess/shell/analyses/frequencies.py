@@ -69,11 +69,11 @@ def natural_modes(
             if n_mode == massive:
                 break
             level, below = _gap(values, wanted)
-            found = fenicsx.negative_pivots(K_free - level * M_free, team)
-            if found <= below:
+            negative = fenicsx.negative_pivots(K_free - level * M_free, team)
+            if negative <= below:
                 break
             # a repetition with the same number of modes would miss the same one
-            n_mode = min(max(n_mode, found) + EXTRA, massive)
+            n_mode = min(max(n_mode, negative) + EXTRA, massive)
     except (fenicsx.EigenError, fenicsx.InertiaError) as error:
         raise ShellError(f"frequencies: {error}") from error
     n_zero = _without_energy(K_free, values, X, n_free_motions, team) if n_free_motions else 0

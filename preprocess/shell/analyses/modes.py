@@ -52,17 +52,23 @@ def shell_modes(
     K = stressed.stiffness(case, where)
     if case is not None and not free_motions.size:
         check_stable(freedom.reduced(K), problem, case, where)
-    found = natural_modes(K, problem.M, freedom, count, free_motions, problem.team)
-    warnings += zero_energy_warnings(found.n_zero, len(rigid))
-    elastic = range(found.n_zero, found.shapes.shape[1])
-    locked = warped_warnings(problem, found.shapes[:, elastic], [f"mode {i + 1}" for i in elastic])
+    found_modes = natural_modes(K, problem.M, freedom, count, free_motions, problem.team)
+    warnings += zero_energy_warnings(found_modes.n_zero, len(rigid))
+    elastic = range(found_modes.n_zero, found_modes.shapes.shape[1])
+    locked = warped_warnings(
+        problem, found_modes.shapes[:, elastic], [f"mode {i + 1}" for i in elastic]
+    )
     warnings += locked
-    values = np.where(np.arange(len(found.values)) < found.n_zero, 0.0, found.values)
+    values = np.where(
+        np.arange(len(found_modes.values)) < found_modes.n_zero, 0.0, found_modes.values
+    )
     if case is not None and (values < 0.0).any():
         raise buckled(case, where)
     error, left_out = None, _left_out(table, finer)
     if not left_out:
-        error = frequency_errors(finer, case, np.sqrt(values), found.shapes, found.n_zero, free)
+        error = frequency_errors(
+            finer, case, np.sqrt(values), found_modes.shapes, found_modes.n_zero, free
+        )
         if error is None:
             left_out = f"not possible on a mesh of half the cell size, {finer.unknowns} unknowns"
     # of cells that lock the other warning names the cause; a finer mesh of them is far off, too
@@ -71,13 +77,13 @@ def shell_modes(
         worst = int(bad[np.argmax(np.abs(error[bad]))])
         more = "" if bad.size == 1 else f" (worst of {bad.size})"
         hertz = np.sqrt(values[worst]) / (2.0 * np.pi)
-        what = f"frequency {worst - found.n_zero + 1}, {hertz:.4g} Hz{more}"
+        what = f"frequency {worst - found_modes.n_zero + 1}, {hertz:.4g} Hz{more}"
         warnings += _coarse(what, error[worst])
     modes = ShellModes(
         np.sqrt(values),
-        by_node(mesh, found.shapes),
-        problem.resultants(found.shapes),
-        found.n_zero,
+        by_node(mesh, found_modes.shapes),
+        problem.resultants(found_modes.shapes),
+        found_modes.n_zero,
         error,
     )
     return modes, left_out
@@ -105,19 +111,19 @@ def shell_buckling(
     if table is None:
         return None
     begin("buckling")
-    found = buckling(stressed, table, f"{problem.where}.buckling", warnings)
-    errors = load_factor_errors(finer, table, found) if table.get("error", False) else None
+    factors = buckling(stressed, table, f"{problem.where}.buckling", warnings)
+    errors = load_factor_errors(finer, table, factors) if table.get("error", False) else None
     for name, error in (errors or {}).items():
         if len(error) and abs(error[0]) > COARSE:
-            what = f"load case {name}: the load factor {found[name].values[0]:.4g}"
+            what = f"load case {name}: the load factor {factors[name].values[0]:.4g}"
             warnings += _coarse(what, error[0])
-    rows = [names.index(name) for name in found]
-    shapes = [by_node(problem.mesh, f.shapes) for f in found.values()]
+    rows = [names.index(name) for name in factors]
+    shapes = [by_node(problem.mesh, f.shapes) for f in factors.values()]
     return ShellBuckling(
-        case=np.repeat(rows, [len(f.values) for f in found.values()]).astype(np.int64),
-        factors=np.concatenate([np.zeros(0), *(f.values for f in found.values())]),
+        case=np.repeat(rows, [len(f.values) for f in factors.values()]).astype(np.int64),
+        factors=np.concatenate([np.zeros(0), *(f.values for f in factors.values())]),
         shapes_G=np.concatenate([np.zeros((0, problem.mesh.n_node, 6)), *shapes]),
-        reversed=np.array([found[name].reversed if name in found else 0.0 for name in names]),
+        reversed=np.array([factors[name].reversed if name in factors else 0.0 for name in names]),
         error=None if errors is None else np.concatenate([np.zeros(0), *errors.values()]),
     )
 

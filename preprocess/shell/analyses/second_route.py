@@ -275,8 +275,8 @@ class SecondRoute:
         self.cells = np.concatenate([mesh.cells[:, :3], mesh.cells[four][:, [0, 2, -1]]])
         self.rows = np.concatenate([np.arange(len(mesh.cells)), four])
         pairs = np.sort(self.cells[:, [[1, 2], [0, 2], [0, 1]]], axis=2)
-        self.sides, found = np.unique(pairs.reshape(-1, 2), axis=0, return_inverse=True)
-        self.of_cells = found.reshape(-1, 3)  # side opposite to each corner
+        self.sides, number = np.unique(pairs.reshape(-1, 2), axis=0, return_inverse=True)
+        self.of_cells = number.reshape(-1, 3)  # side opposite to each corner
         corners = self.points[self.cells]
         normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         self.area = 0.5 * np.linalg.norm(normal, axis=1)
@@ -356,13 +356,13 @@ class SecondRoute:
 
     def _unknowns(self, field: int, places: Array) -> IntArray:
         """Unknowns (k, 3) of the components of a field at places (k, 3)."""
-        found = np.empty((len(places), 3), dtype=np.int64)
+        numbers_of_unknowns = np.empty((len(places), 3), dtype=np.int64)
         for row in range(3):
             with quiet():
                 space, numbers = self.space.sub(field).sub(row).collapse()
             nearest = cKDTree(dof_coordinates(space)).query(places)[1]
-            found[:, row] = np.ravel(numbers)[nearest]
-        return found
+            numbers_of_unknowns[:, row] = np.ravel(numbers)[nearest]
+        return numbers_of_unknowns
 
     def numbers(self, ends: IntArray) -> IntArray:
         """Rows of `sides` of pairs of nodes (k, 2)."""
@@ -372,12 +372,12 @@ class SecondRoute:
 
     def spread(self, names: Any) -> Spread:
         """Places and weights of physical groups, one name or several; None: all cells."""
-        mesh, found = self.problem.mesh, []
+        mesh, spreads = self.problem.mesh, []
         for name in names if isinstance(names, list | tuple) else [names]:
             if name in mesh.marks:
                 nodes = mesh.marks[name]
                 near = np.flatnonzero(np.isin(self.sides, nodes).any(axis=1))
-                found.append(Spread(nodes, np.ones(len(nodes)), near, np.ones(len(near))))
+                spreads.append(Spread(nodes, np.ones(len(nodes)), near, np.ones(len(near))))
                 continue
             if name in mesh.curves:
                 ends = mesh.curves[name]
@@ -394,16 +394,16 @@ class SecondRoute:
             weights = np.repeat(corner * size, ends.shape[1]), np.repeat(middle, count)
             at = np.concatenate([ends.ravel(), len(self.points) + rows.ravel()])
             turned = np.repeat(size / count, count)
-            found.append(Spread(at, np.concatenate(weights), rows.ravel(), turned))
-        return Spread(*(np.concatenate(part) for part in zip(*found, strict=True)))
+            spreads.append(Spread(at, np.concatenate(weights), rows.ravel(), turned))
+        return Spread(*(np.concatenate(part) for part in zip(*spreads, strict=True)))
 
     def solve(self, rhs: Array, fixed: Array, given: Array) -> Array:
         """All unknowns (k,) under a right-hand side, those that are `fixed` as `given`."""
         T, free = self.parts.T, self._free(fixed)
-        found = np.where(self.parts.dependent, 0.0, given)
-        load = T.T @ (rhs - self.K @ (T @ found))
-        found[free] = fenicsx.cholesky(self._part(self.K, free)).solve(load[free])
-        return np.asarray(T @ found)
+        solution = np.where(self.parts.dependent, 0.0, given)
+        load = T.T @ (rhs - self.K @ (T @ solution))
+        solution[free] = fenicsx.cholesky(self._part(self.K, free)).solve(load[free])
+        return np.asarray(T @ solution)
 
     def eigenvalues(self, count: int, fixed: Array, target: float = 0.0) -> Array:
         """Lowest squared circular frequencies (count,) [rad2/s2], nearest to `target`."""

@@ -118,11 +118,11 @@ def analyse(
 
 def _laminates(problem: ShellProblem) -> tuple[list[ShellLaminate], Warnings]:
     """Each laminate that a region uses, once, with its warnings."""
-    found: dict[str, ShellLaminate] = {}
+    by_name: dict[str, ShellLaminate] = {}
     warnings: Warnings = []
     for region in problem.regions:
         name = region.laminate_name
-        if name in found:
+        if name in by_name:
             continue
         laminate, stiffness = region.laminate.laminate, region.stiffness
         with computed(f"{problem.where}.laminates.{name}"):
@@ -130,7 +130,7 @@ def _laminates(problem: ShellProblem) -> tuple[list[ShellLaminate], Warnings]:
         warnings += known.findings
         table = dataclasses.asdict(known)
         del table["findings"]
-        found[name] = ShellLaminate(
+        by_name[name] = ShellLaminate(
             name,
             region.laminate.plies,
             stiffness.ABD,
@@ -139,7 +139,7 @@ def _laminates(problem: ShellProblem) -> tuple[list[ShellLaminate], Warnings]:
             operators,
             {**table, "offset": laminate.offset},
         )
-    return list(found.values()), warnings
+    return list(by_name.values()), warnings
 
 
 def _mesh_data(problem: ShellProblem, laminates: list[str]) -> ShellMeshData:

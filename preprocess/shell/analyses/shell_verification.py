@@ -61,7 +61,7 @@ def verified(
     warnings : warnings about them; of cells that lock, no difference is a finding
     """
     try:
-        found = _both(problem, finer, cases, modes)
+        both = _both(problem, finer, cases, modes)
     except _NotDone as reason:
         return Verified(f"not done for {reason}", [])
     except (fenicsx.EigenError, fenicsx.FactorisationError, ShellError) as error:
@@ -70,7 +70,7 @@ def verified(
     coarse: list[str] = []
     singular: list[str] = []
     moments = [f"strain energy of {name}" for name in at_points(problem, "moment")]
-    for name, values in found.items():
+    for name, values in both.items():
         ours, ours_finer, other, other_finer = (float(value) for value in values)
         size = max(abs(ours_finer), abs(other_finer)) or 1.0
         steps = abs(ours - ours_finer) / size, abs(other - other_finer) / size
@@ -89,12 +89,12 @@ def verified(
     if not judged:
         return Verified(f"not done: {left}", [])
     gap, step, name = max(judged, key=lambda one: one[0] - one[1])
-    words = f"{name}: difference {100.0 * gap:.2g} %, of which meshes explain {100.0 * step:.2g} %"
+    text = f"{name}: difference {100.0 * gap:.2g} %, of which meshes explain {100.0 * step:.2g} %"
     differs = gap > step + LARGEST
     if differs and WARPED & {warning["code"] for warning in warnings}:
-        return Verified(f"{words}: cells lock, see the warnings", [])
-    finding = coded("verification-differs", f"{words}: please report the shell")
-    return Verified("; ".join(filter(None, (words, left))), finding if differs else [])
+        return Verified(f"{text}: cells lock, see the warnings", [])
+    finding = coded("verification-differs", f"{text}: please report the shell")
+    return Verified("; ".join(filter(None, (text, left))), finding if differs else [])
 
 
 def _both(
@@ -135,13 +135,13 @@ def _both(
 def _second(problem: ShellProblem, elastic: Array, n_zero: int) -> Array:
     """Strain energies [J], then as many frequencies [rad/s] as `elastic` has, behind n_zero."""
     route, spec = SecondRoute(problem), problem.spec
-    found, held = [], fixed(route, problem, "loads")
+    energies, held = [], fixed(route, problem, "loads")
     for case in spec.get("loads", {}).values():
         rhs, given = right_side(route, problem, case)
         u = route.solve(rhs, held, given)
-        found.append(0.5 * u @ (route.K @ u))
+        energies.append(0.5 * u @ (route.K @ u))
     if not len(elastic):
-        return np.array(found)
+        return np.array(energies)
     held = fixed(route, problem, "modes") * (not spec["frequencies"].get("free", False))
     lowest = float(elastic[0] ** 2)
     target = -lowest if n_zero else 0.0
@@ -149,7 +149,7 @@ def _second(problem: ShellProblem, elastic: Array, n_zero: int) -> Array:
     values = values[values > ZERO * lowest][: len(elastic)]
     if len(values) < len(elastic):
         raise _NotDone("modes without strain energy that only one method has")
-    return np.append(found, np.sqrt(values))
+    return np.append(energies, np.sqrt(values))
 
 
 def fixed(route: SecondRoute, problem: ShellProblem, purpose: str) -> Array:

@@ -139,11 +139,11 @@ def places(mesh: ShellMesh, links: Sequence[Link], shown: Sequence[int] = ()) ->
     return Places(np.concatenate(nodes), np.concatenate([tags, new]), own)
 
 
-def node_shapes(mesh: ShellMesh, links: Sequence[Link], found: Places, u: Array) -> Array:
+def node_shapes(mesh: ShellMesh, links: Sequence[Link], places: Places, u: Array) -> Array:
     """Motion of the package's nodes, (m, n, 6), from that of all degrees of freedom (n_dof, m)."""
     rows = u.reshape(len(u) // 6, 6, u.shape[1])
     number = {link.name: mesh.n_node + i for i, link in enumerate(links)}
-    order = [*range(mesh.n_node), *(number[name] for name in found.own)]
+    order = [*range(mesh.n_node), *(number[name] for name in places.own)]
     return np.ascontiguousarray(np.moveaxis(rows[order], 2, 0))
 
 
@@ -151,7 +151,7 @@ def interfaces(
     requested: Sequence[ShellInterface],
     mesh: ShellMesh,
     links: Sequence[Link],
-    found: Places,
+    places: Places,
     u: Array,
     h: Array | None = None,
 ) -> tuple[Interface, ...]:
@@ -171,8 +171,8 @@ def interfaces(
         nodes = link.group.nodes
         order = np.argsort(mesh.node_tags[nodes])
         ids, weights = mesh.node_tags[nodes][order], link.group.weights[order]
-        if link.name in found.own:
-            ids, weights = found.ids[[found.own[link.name]]], np.ones(1)
+        if link.name in places.own:
+            ids, weights = places.ids[[places.own[link.name]]], np.ones(1)
         result.append(
             Interface(
                 name=link.name,

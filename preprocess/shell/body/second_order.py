@@ -105,7 +105,7 @@ def _add_region(
     table = cell_table(region.geometry, region.stiffness, choice)
     # the work of this tension is that of w,x^2 + w,y^2 + 2 r^2
     write(table, N=np.array([1.0, 1.0, 0.0]), in_plane=1.0)
-    found = np.empty((len(region.cells), DOFS * k, len(first)))
+    strains_of_cells = np.empty((len(region.cells), DOFS * k, len(first)))
     for some, strain in mean_strain_rows(region.geometry, region.stiffness, choice):
         part, nodes = region.geometry[some], region.nodes[some]
         R = A @ strain[:, :3] + B @ strain[:, 3:6]
@@ -125,10 +125,10 @@ def _add_region(
             axis=2,
         )
         strains = c.sum(axis=1)  # (c, 3, pairs)
-        found[some] = np.swapaxes(R, 1, 2) @ strains
+        strains_of_cells[some] = np.swapaxes(R, 1, 2) @ strains
         dofs = (DOFS * nodes[:, :, None] + np.arange(DOFS)).ravel()
-        np.add.at(g, dofs, found[some].reshape(-1, len(first)))
-    return found
+        np.add.at(g, dofs, strains_of_cells[some].reshape(-1, len(first)))
+    return strains_of_cells
 
 
 def _turned_interfaces(freedom: Freedom, u: Array) -> Array:

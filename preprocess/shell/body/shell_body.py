@@ -48,24 +48,24 @@ def cell_resultants(problem: ShellProblem, u: Array, exact: bool = False) -> Cel
     names = list(dict.fromkeys(region.laminate_name for region in problem.regions))
     for region in problem.regions:
         laminate[region.cells] = names.index(region.laminate_name)
-    found = np.ascontiguousarray(np.moveaxis(problem.resultants(u), 0, 2))
+    resultants = np.ascontiguousarray(np.moveaxis(problem.resultants(u), 0, 2))
     return CellResultants(
         cell=np.arange(len(mesh.cells)),
         laminate=laminate,
         A_BE=cell_axes(mesh, problem.regions),
-        resultants_E=found if exact else rounded(found),
+        resultants_E=resultants if exact else rounded(resultants),
     )
 
 
 def laminates(problem: ShellProblem) -> tuple[LaminateData, ...]:
     """Every laminate that a region uses, once."""
-    found: dict[str, LaminateData] = {}
+    by_name: dict[str, LaminateData] = {}
     for region in problem.regions:
         name = region.laminate_name
-        if name not in found:
+        if name not in by_name:
             constants = problem.spec["materials"]
-            found[name] = region.laminate.data(name, region.stiffness, constants)
-    return tuple(found.values())
+            by_name[name] = region.laminate.data(name, region.stiffness, constants)
+    return tuple(by_name.values())
 
 
 DESIGNED = {"laminates", "materials", "regions", "stiffeners"}  # tables with design parameters
@@ -92,14 +92,17 @@ def build_shell_body(spec: dict[str, object]) -> ModalPackage:
     assembled = time.perf_counter()
     modes = shell_modes(model)
     u = model.problem.freedom.expanded(modes.columns_B)
-    found = warped_warnings(model.problem, u, [f"mode {_label(m)}" for m in modes.labels])
-    found += interface_warnings(model.problem, u, modes.values, body.modes.attachments)
+    mode_warnings = warped_warnings(model.problem, u, [f"mode {_label(m)}" for m in modes.labels])
+    mode_warnings += interface_warnings(model.problem, u, modes.values, body.modes.attachments)
     solved = time.perf_counter()
     provenance = body_provenance(
         spec,
         {"body": model.problem.freedom.n_dof},
         {"shell": assembled - start, "modes": solved - assembled},
-        [*model.problem.warnings, *(() if spec.get("candidates") else (*found, *modes.warnings))],
+        [
+            *model.problem.warnings,
+            *(() if spec.get("candidates") else (*mode_warnings, *modes.warnings)),
+        ],
     )
     package = shell_package(model, modes, provenance, exact=bool(parameters))
     if not parameters:
@@ -197,29 +200,29 @@ def shell_package(
     mesh, links = problem.mesh, problem.links
     u = problem.freedom.expanded(modes.columns_B)
     m = u.shape[1]
-    found = places(mesh, links, model.carriers if spec.reference.kind == "chord" else ())
+    at = places(mesh, links, model.carriers if spec.reference.kind == "chord" else ())
     connectivity, offsets, types = vtk_cells(mesh.cells)
     nodes = u.reshape(len(u) // 6, 6, m)[: mesh.n_node]  # not -1: a rigid body has no modes
     stations = mass_stations(mesh, problem.regions, problem.stiffeners, nodes, spec.mass_form)
     h = None
     if spec.second_order and 0 < m <= MOST_MODES:
         h = second_order_fields(problem, model.condition, u, near)
-    node_mass, node_inertia = np.zeros(len(found.ids)), np.zeros((len(found.ids), 3, 3))
+    node_mass, node_inertia = np.zeros(len(at.ids)), np.zeros((len(at.ids), 3, 3))
     for whole, of_mesh in zip((node_mass, node_inertia), model.nodal_mass, strict=True):
         whole[: mesh.n_node] = of_mesh
     return ModalPackage(
         **modes.of_package(spec.damping_ratio),
         body=spec.body,
-        nodes_B=found.nodes_B,
-        node_ids=found.ids,
+        nodes_B=at.nodes_B,
+        node_ids=at.ids,
         connectivity=connectivity,
         offsets=offsets,
         cell_types=types,
-        shapes_B=node_shapes(mesh, links, found, u),
+        shapes_B=node_shapes(mesh, links, at, u),
         node_mass=node_mass,
         node_inertia_B=node_inertia,
         invariants=stations.invariants(spec.mass_form),
-        interfaces=interfaces(spec.interfaces, mesh, links, found, u, h),
+        interfaces=interfaces(spec.interfaces, mesh, links, at, u, h),
         reference_condition=spec.reference.kind,
         laminates=laminates(problem),
         cell_resultants=cell_resultants(problem, u, exact),

@@ -35,11 +35,11 @@ SHAPES: dict[str, tuple[int, ...]] = {
 
 
 def _columns() -> dict[str, tuple[int, tuple[int, ...]]]:
-    found, first = {}, 0
+    columns, first = {}, 0
     for name, shape in SHAPES.items():
-        found[name] = first, shape
+        columns[name] = first, shape
         first += prod(shape)
-    return found
+    return columns
 
 
 COLUMNS = _columns()  # name -> first column, shape
@@ -181,18 +181,18 @@ class Cell:
 
     def _quadrilateral(self) -> None:
         shapes = AT_GAUSS.tolist()
-        found = [_mapped(self.xy, at) for at in slopes(GAUSS)]
+        maps = [_mapped(self.xy, at) for at in slopes(GAUSS)]
         self.mapping = _mapped(self.xy, CENTRE)
         self.centre = self.mapping.grad
-        self.area = sum(abs(at.det) for at in found)
+        self.area = sum(abs(at.det) for at in maps)
         centroid = ZERO
-        for at, N in zip(found, shapes, strict=True):
+        for at, N in zip(maps, shapes, strict=True):
             for i in range(4):
                 centroid += abs(at.det) / self.area * N[i] * self.xy[i]
         self.xy = [place - centroid for place in self.xy]
         self._sides()
         self.points = []
-        for (xi, eta), N, at in zip(GAUSS.tolist(), shapes, found, strict=True):
+        for (xi, eta), N, at in zip(GAUSS.tolist(), shapes, maps, strict=True):
             to_xi, to_eta = at.grad_xi, at.grad_eta
             # P_1 = (1 - xi^2) (1 - eta)/2 and so on around the cell
             bulges = [

@@ -57,11 +57,11 @@ def cell_rows(
 ) -> list[tuple[Array, Array, Array]]:
     """Stresses (c, p, 6 k), strains (c, p, 6 k) of the pairs and mean strains (c, n, 6 k) of each
     list of a kernel, per unit of the unknowns in G."""
-    found, (corners, order) = [], _as_dolfinx(t)
+    rows_of_cells, (corners, order) = [], _as_dolfinx(t)
     for number, given in enumerate(kernel.lists):
         rows, p = fenicsx.rows(kernel, number, table, corners)[:, :, order], given.pairs
-        found.append((rows[:, :p], rows[:, p : 2 * p], rows[:, 2 * p + given.coupling :]))
-    return found
+        rows_of_cells.append((rows[:, :p], rows[:, p : 2 * p], rows[:, 2 * p + given.coupling :]))
+    return rows_of_cells
 
 
 def _as_dolfinx(t: CellGeometry) -> tuple[Array, IntArray]:

@@ -167,7 +167,7 @@ class Freedom:
         size = max(self.mesh.size, 1e-300)
         scale = np.array([1.0, 1.0, 1.0, 1.0 / size, 1.0 / size, 1.0 / size])
         weight = np.tile([1.0, 1.0, 1.0, size, size, size], self.n_dof // DOFS)
-        found = []
+        motions_kept = []
         for part in range(parts.max() + 1):
             motions = np.where((parts == part)[:, None], rigid, 0.0) * scale
             held = (motions * weight[:, None])[self.fixed[parts[self.fixed] == part]]
@@ -175,8 +175,8 @@ class Freedom:
                 np.concatenate([held, np.zeros((6, 6))]), full_matrices=False
             )
             free = _plain_basis(axes[value <= FREE * max(1.0, value[0])])
-            found += [motions @ axis for axis in free]
-        return found
+            motions_kept += [motions @ axis for axis in free]
+        return motions_kept
 
     def describe(self, motion: Array) -> str:
         """Description of a rigid motion: along or about which axis."""
@@ -209,8 +209,8 @@ def _plain_basis(rows: Array) -> Array:
     for column in range(rows.shape[1] if len(rows) else 0):
         if np.linalg.matrix_rank(rows[:, [*own, column]], tol=1e-6) > len(own):
             own.append(column)
-    found = np.linalg.solve(rows[:, own], rows)
-    return np.where(np.abs(found) < 1e-9, 0.0, found)
+    basis = np.linalg.solve(rows[:, own], rows)
+    return np.where(np.abs(basis) < 1e-9, 0.0, basis)
 
 
 class _Follow(NamedTuple):

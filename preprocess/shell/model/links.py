@@ -196,10 +196,10 @@ def _wall_stiffness(
         T[:, 2] = np.stack([-2 * c * s, 2 * c * s, c * c - s * s], axis=1)
         flexible = T @ np.linalg.inv(region.stiffness.A) @ np.swapaxes(T, 1, 2)
         bending = T @ np.linalg.inv(region.stiffness.D) @ np.swapaxes(T, 1, 2)
-        found = np.stack(
+        stiffness = np.stack(
             [1.0 / flexible[:, 0, 0], 1.0 / flexible[:, 2, 2], 4.0 / bending[:, 2, 2]], axis=1
         )
-        np.add.at(out, row, found)
+        np.add.at(out, row, stiffness)
     return out
 
 

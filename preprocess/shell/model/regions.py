@@ -59,7 +59,7 @@ def read_regions(spec: Mapping[str, Any], mesh: ShellMesh, where: str) -> list[R
                 + few(mesh.regions)
                 + did_you_mean(name, (*mesh.regions, ALL))
             )
-    found = []
+    regions = []
     counts, ratios = corner_counts(mesh.cells), width_ratios(mesh.points_G, mesh.cells)
     for row, name in enumerate(mesh.regions):
         key = name if name in given else ALL
@@ -86,8 +86,8 @@ def read_regions(spec: Mapping[str, Any], mesh: ShellMesh, where: str) -> list[R
                 axes = [name for name in AXES if given[key].get(name) is not None]
                 at = f"{place}.{axes[0]}" if axes and error.fault == NORMAL else place
                 raise ShellError(f"{at}: {_where_in_file(mesh, cells, error)}") from error
-            found.append(Region(name, cells, nodes, geometry, laminate_name, laminate, stiffness))
-    return found
+            regions.append(Region(name, cells, nodes, geometry, laminate_name, laminate, stiffness))
+    return regions
 
 
 def _where_in_file(mesh: ShellMesh, cells: IntArray, error: CellError) -> str:
@@ -128,11 +128,11 @@ class _Laminated:
 def relaid(regions: Sequence[Region], spec: Mapping[str, Any], where: str) -> list[Region]:
     """The regions with the laminates of a specification that differs in numbers of them only."""
     laminated, given = _Laminated(spec, where), spec["regions"]
-    found = {
+    laminates = {
         name: laminated.of(name if name in given else ALL) for name in {r.name for r in regions}
     }
     return [
-        replace(region, laminate=found[region.name][1], stiffness=found[region.name][2])
+        replace(region, laminate=laminates[region.name][1], stiffness=laminates[region.name][2])
         for region in regions
     ]
 

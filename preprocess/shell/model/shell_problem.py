@@ -178,12 +178,12 @@ class Assembly:
         # first, because what DOLFINx needs a compiler for gives a worse message without one
         kernels = [kernel(kind[0].nodes.shape[1]) for kind in self._kinds]
         parts = []
-        for surface, kind, found in zip(self._surfaces, self._kinds, kernels, strict=True):
+        for surface, kind, kernel_of_kind in zip(self._surfaces, self._kinds, kernels, strict=True):
             data = [cell_table(r.geometry, r.stiffness, self._choice) for r in kind]
             table = np.concatenate(data)
             cells = np.concatenate([region.cells for region in kind])
             write(table, **{name: values[cells] for name, values in entries.items()})
-            parts.append((surface, found, table))
+            parts.append((surface, kernel_of_kind, table))
         return _pattern(self._surfaces, self._mesh.n_node + self._extra).summed(parts)
 
 
@@ -355,8 +355,8 @@ class ShellProblem:
                 corners = corners.reshape(len(region.cells), 6 * region.nodes.shape[1], -1)
                 if self.beside is not None:
                     corners = self.beside.moved(number, corners, u[:, some])
-                found = element_resultants(region.geometry, region.stiffness, self.choice, corners)
-                out[some, region.cells] = np.moveaxis(found, 2, 0)
+                values = element_resultants(region.geometry, region.stiffness, self.choice, corners)
+                out[some, region.cells] = np.moveaxis(values, 2, 0)
         return self.team.total(out)
 
     @cached_property

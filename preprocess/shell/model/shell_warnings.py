@@ -41,13 +41,13 @@ def model_warnings(
 ) -> Warnings:
     """All warnings about mesh and elements."""
     shared = Sides(mesh, regions)
-    found = [*_slivers(mesh), *_unmerged(mesh, links), *_turned(mesh, shared), *_unpaired(mesh)]
+    warnings = [*_slivers(mesh), *_unmerged(mesh, links), *_turned(mesh, shared), *_unpaired(mesh)]
     if MEMBRANES[choice.membrane].stiff_in_plane:
-        found += _narrow_walls(mesh, shared, choice.membrane)
+        warnings += _narrow_walls(mesh, shared, choice.membrane)
     limit = PLATES[choice.plate].shear_ratio_limit
     if limit is not None:
-        found += _sides_too_short(mesh, regions, choice.plate, limit)
-    return found
+        warnings += _sides_too_short(mesh, regions, choice.plate, limit)
+    return warnings
 
 
 class Sides:
@@ -190,7 +190,7 @@ def drilling_motions(freedom: Freedom, regions: Sequence[Region], choice: Choice
     normals = Sides(mesh, regions).normals_G
     parts = freedom.parts()
     of_cell = parts[mesh.cells[:, 0]]
-    found = []
+    motions_kept = []
     for part in np.unique(of_cell):
         inside = of_cell == part
         normal = normals[inside][0]
@@ -205,8 +205,8 @@ def drilling_motions(freedom: Freedom, regions: Sequence[Region], choice: Choice
         if flat and not stopped and not linked:
             motion = np.zeros((freedom.n_dof // DOFS, DOFS))
             motion[nodes, 3:] = normal
-            found.append(motion.ravel())
-    return found
+            motions_kept.append(motion.ravel())
+    return motions_kept
 
 
 def drilling_warning(count: int) -> Warnings:

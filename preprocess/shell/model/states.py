@@ -143,7 +143,7 @@ def link_warnings(
     u, forces : (n_dof, m) displacements and loads of load cases
     energy : (m,) their strain energy
     """
-    found: Warnings = []
+    warnings: Warnings = []
     for number, link in enumerate(problem.links):
         dofs = DOFS * (problem.mesh.n_node + number) + np.arange(DOFS)
         load, moved = forces[dofs], u[dofs]
@@ -156,8 +156,8 @@ def link_warnings(
         bad = np.flatnonzero((ratio > DISTORTED) & (excess > 2.0 * OF_ALL * energy))
         if bad.size:
             worst = bad[np.argmax(ratio[bad])]
-            found += _told(f"load case {names[worst]}", link, float(ratio[worst]), "kind")
-    return found
+            warnings += _told(f"load case {names[worst]}", link, float(ratio[worst]), "kind")
+    return warnings
 
 
 def interface_warnings(
@@ -170,7 +170,7 @@ def interface_warnings(
     u, values : (n_dof, m) modes of unit modal mass, squared circular frequencies (m,)
     attachments : interface and direction of each unit load that has a mode
     """
-    found: Warnings = []
+    warnings: Warnings = []
     for number, link in enumerate(problem.links):
         wanted = [DIRECTIONS.index(way) for at, way in attachments if at == link.name]
         if not wanted or (rows := _other_rows(problem, link)) is None:
@@ -182,8 +182,8 @@ def interface_warnings(
         worst = int(np.argmax(ratio))
         if ratio[worst] > DISTORTED:
             way = DIRECTIONS[wanted[worst]]
-            found += _told(f"attachment {link.name} {way}", link, float(ratio[worst]), "link")
-    return found
+            warnings += _told(f"attachment {link.name} {way}", link, float(ratio[worst]), "link")
+    return warnings
 
 
 def _other_rows(problem: ShellProblem, link: Link) -> Array | None:

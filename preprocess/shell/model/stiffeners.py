@@ -159,13 +159,13 @@ class CellsBeside:
             rows = np.flatnonzero(at[region.nodes].any(axis=1))
             row, corner = np.nonzero(at[region.nodes[rows]])
             key = region.cells[rows[row]] * mesh.n_node + region.nodes[rows[row], corner]
-            found = order[np.searchsorted(keys, key, sorter=order)]
-            k, count = region.nodes.shape[1], np.arange(len(found))
+            sides = order[np.searchsorted(keys, key, sorter=order)]
+            k, count = region.nodes.shape[1], np.arange(len(sides))
             place = (DOFS * (k * row + corner) + 3)[:, None] + np.arange(3)
-            entries = -normal[found].ravel(), (place.ravel(), np.repeat(count, 3))
-            shape = (DOFS * k * len(rows), len(found))
+            entries = -normal[sides].ravel(), (place.ravel(), np.repeat(count, 3))
+            shape = (DOFS * k * len(rows), len(sides))
             self.rows.append(rows)
-            self.change.append(sp.csr_matrix(entries, shape=shape) @ mean_excess[found])
+            self.change.append(sp.csr_matrix(entries, shape=shape) @ mean_excess[sides])
 
     def moved(self, number: int, corners: Array, u: Array) -> Array:
         """Add the change to motions of the corners (c, 6 k, m) of a region in states (n_dof, m)."""
@@ -233,10 +233,10 @@ def _means(
     sides = edges.shared[~np.isin(np.flatnonzero(edges.count == 2), edges.find(ends))]
     pairs = edges.owner[sides, None] * mesh.n_node + edges.nodes[edges.number[sides[:, :1]]]
     pairs = np.moveaxis(pairs, 1, 2).reshape(-1, 2)  # corners of a node in two cells
-    found = order[np.searchsorted(keys, pairs, sorter=order).clip(max=len(keys) - 1)]
-    found = found[(keys[found] == pairs).all(axis=1)]
-    cosine = np.einsum("pi,pi->p", *np.moveaxis(normal[found], 1, 0))
-    a, b = found[np.abs(cosine) > KINK].T
+    pairs_of_cells = order[np.searchsorted(keys, pairs, sorter=order).clip(max=len(keys) - 1)]
+    pairs_of_cells = pairs_of_cells[(keys[pairs_of_cells] == pairs).all(axis=1)]
+    cosine = np.einsum("pi,pi->p", *np.moveaxis(normal[pairs_of_cells], 1, 0))
+    a, b = pairs_of_cells[np.abs(cosine) > KINK].T
     graph = sp.csr_matrix((np.ones(len(a)), (a, b)), shape=2 * (len(keys),))
     count, group = connected_components(graph, directed=False)
     first = np.unique(group, return_index=True)[1]
@@ -257,7 +257,7 @@ def read_stiffeners(
     ShellError : no such curve, no section or a wrong one, an axis along the curve.
     SectionError, MaterialError : the description of the section is wrong.
     """
-    found = []
+    stiffeners = []
     for name, entry in table.items():
         place = f"{where}.{name}"
         at = str(entry.get("at"))
@@ -276,8 +276,8 @@ def read_stiffeners(
             raise ShellError(
                 f"{place}.offset = {entry['offset']!r}: expected two lengths, along x2 and x3"
             )
-        found.append(Stiffener(name, ends, mesh.points_G, A_GE, K, M, offset))
-    return found
+        stiffeners.append(Stiffener(name, ends, mesh.points_G, A_GE, K, M, offset))
+    return stiffeners
 
 
 def _axes(
@@ -286,8 +286,8 @@ def _axes(
     """Section axes of each edge, (l, 3, 3)."""
     if given is None:
         normals = cell_axes(mesh, regions)[mesh.edges.owner, :, 2]
-        found = np.concatenate([mesh.edges.sums(normals), np.zeros((1, 3))])[mesh.edges.find(ends)]
-        x3 = np.cross(x1, np.cross(found, x1))
+        normal = np.concatenate([mesh.edges.sums(normals), np.zeros((1, 3))])[mesh.edges.find(ends)]
+        x3 = np.cross(x1, np.cross(normal, x1))
         x2 = np.cross(x3 / np.linalg.norm(x3, axis=1)[:, None], x1)
     else:
         x2 = np.broadcast_to(vector(given, f"{where}.x2_axis"), x1.shape)
@@ -306,8 +306,8 @@ def _section(entry: Mapping[str, Any], where: str) -> tuple[Array, Array]:
     ):
         raise ShellError(f"{where}: expected `section`, or `stiffness` with `mass`")
     if "section" in entry:
-        found = _analysed(canonical(entry["section"]), f"{where}.section")
-        return found.K, found.M
+        section = _analysed(canonical(entry["section"]), f"{where}.section")
+        return section.K, section.M
     matrices = []
     for key, least in (("stiffness", REGULAR), ("mass", -1e-12)):
         A = np.asarray(entry[key], dtype=float)

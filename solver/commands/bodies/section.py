@@ -48,16 +48,16 @@ def read_list(place: str) -> list[Entry]:
     """
     path = Path(place)
     if path.is_dir():
-        found = entries_of(sorted(path.glob("*.toml")))
+        entries = entries_of(sorted(path.glob("*.toml")))
     elif glob.has_magic(place):
-        found = entries_of(Path(name) for name in sorted(glob.glob(place, recursive=True)))
+        entries = entries_of(Path(name) for name in sorted(glob.glob(place, recursive=True)))
     elif path.suffix == ".toml":
-        found = _study_entries(path)
+        entries = _study_entries(path)
     else:
-        found = entries_of(path.parent / name for name in _names(path))
-    if not found:
+        entries = entries_of(path.parent / name for name in _names(path))
+    if not entries:
         raise InputError(f"{place}: names no section; expected descriptions (*.toml)")
-    return found
+    return entries
 
 
 def _names(path: Path) -> list[str]:

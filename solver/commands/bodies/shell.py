@@ -52,8 +52,8 @@ def figures_of(shell: ShellFile, file: Path) -> list[Path]:
     def draw() -> list[Path]:
         from ...report.shell.shell_figures import Picture, draw_shapes
 
-        found = [Picture(title, name, shape[:, :3], unit) for name, title, shape, unit in pictures]
-        return draw_shapes(shell.mesh.nodes_G, shell.mesh.cells, found, file.parent)
+        shapes = [Picture(title, name, shape[:, :3], unit) for name, title, shape, unit in pictures]
+        return draw_shapes(shell.mesh.nodes_G, shell.mesh.cells, shapes, file.parent)
 
     return drawn(draw, [file.parent / f"{name}.png" for name, *_ in pictures], file)
 
@@ -61,20 +61,20 @@ def figures_of(shell: ShellFile, file: Path) -> list[Path]:
 def _pictures(shell: ShellFile) -> list[tuple[str, str, Array, str]]:
     """Return name, title, shape and unit of each: load cases, the lowest modes with strain energy,
     and the first buckling shape of each load case."""
-    cases, found = shell.cases.names, list[tuple[str, str, Array, str]]()
+    cases, pictures = shell.cases.names, list[tuple[str, str, Array, str]]()
     for case, shape in zip(cases, shell.cases.displacements_G, strict=True):
-        found.append((case, case, shape, "m"))
+        pictures.append((case, case, shape, "m"))
     if (modes := shell.modes) is not None:
         hertz, first = modes.frequencies_hz, modes.n_zero
         for row in range(first, min(first + MOST_MODES, len(hertz))):
             name = f"mode-{row - first + 1}"
             title = f"mode {row - first + 1}, {hertz[row]:.5g} Hz"
-            found.append((name, title, modes.shapes_G[row], ""))
+            pictures.append((name, title, modes.shapes_G[row], ""))
     if (buckled := shell.buckling) is not None:
         for row in np.unique(buckled.case, return_index=True)[1].tolist():
             case = cases[buckled.case[row]]
             title = f"buckling under {case}, factor {buckled.factors[row]:.5g}"
-            found.append((f"{case}-buckling", title, buckled.shapes_G[row], ""))
+            pictures.append((f"{case}-buckling", title, buckled.shapes_G[row], ""))
     return [
         (
             re.sub(r"[^\w.+-]+", "-", f"{shell.name}-{name}").strip("-."),
@@ -82,7 +82,7 @@ def _pictures(shell: ShellFile) -> list[tuple[str, str, Array, str]]:
             shape,
             unit,
         )
-        for name, title, shape, unit in found
+        for name, title, shape, unit in pictures
     ]
 
 

@@ -113,8 +113,8 @@ class JointCoordinates:
                 reached.add(body)
                 self._steps.append(Step(body, (), False, (), np.zeros(3), len(self.names)))
                 self.names += [f"{_name(body_names, body)}.{part}" for part in FRAME]
-            while (found := self._next(waiting, reached, joint_names)) is not None:
-                joint, turned = found
+            while (following := self._next(waiting, reached, joint_names)) is not None:
+                joint, turned = following
                 offset = offsets.get(joint_names[joint], np.zeros(3))
                 one, two = (int(k) for k in model.joint_marker[joint])
                 markers, far = ((two, one), one) if turned else ((one, two), two)

@@ -34,11 +34,11 @@ def quasi_static_deformations(model: Model, t: float, y: Array) -> list[Array]:
         rank = int(np.sum(s > RANK_TOLERANCE * s[0]))
         heavy = heavy._replace(redundant=model.n_constraint - rank)
     rates, _ = along_solution(heavy, np.array([t]), y[None, :])
-    found: list[Array] = []
+    deformations: list[Array] = []
     for i in range(model.n_body):
         loads = modal_matrix(model, heavy.M_qq, i) @ rates[0, model.n_pos :][_modes(model, i)]
-        found.append(np.asarray(np.linalg.solve(modal_matrix(model, model.K_qq, i), loads)))
-    return found
+        deformations.append(np.asarray(np.linalg.solve(modal_matrix(model, model.K_qq, i), loads)))
+    return deformations
 
 
 def motions_without_strain(model: Model, t: float, y: Array) -> int:

@@ -91,11 +91,11 @@ def new_independence(model: Model) -> Independence:
 
 def _bodies(model: Model, at_body: Sequence[Sequence[int]]) -> IntArray:
     """Return the bodies of each joint and coupling, (nj, 2 or more)."""
-    found: list[list[int]] = [[] for _ in model.joint_kind]
+    lists: list[list[int]] = [[] for _ in model.joint_kind]
     for i, rows in enumerate(at_body):
         for k in dict.fromkeys((np.searchsorted(model.joint_row, rows, side="right") - 1).tolist()):
-            found[k].append(i)
-    return padded(found)
+            lists[k].append(i)
+    return padded(lists)
 
 
 @lean
@@ -465,11 +465,11 @@ def smallest_singular_value(
     x = memory.x
     floor = FLOOR_WITH_NULL if null > 0 else FLOOR
     low, high = floor, float(x.shape[0])
-    found = _along(model, rows, C, x)
-    if not (found > low and found < high):
-        found = np.sqrt(low * high)
+    sigma = _along(model, rows, C, x)
+    if not (sigma > low and sigma < high):
+        sigma = np.sqrt(low * high)
     for _ in range(MOST_SHIFTS):
-        shift = max(floor, found * (1.0 - CLOSE))
+        shift = max(floor, sigma * (1.0 - CLOSE))
         below = _factorise(rows, memory, shift)
         if below > null:
             high = min(high, shift)
@@ -477,15 +477,15 @@ def smallest_singular_value(
             low = max(low, shift)
         solve_profile(rows.order, memory.shifted, memory.pivot, x)
         size = _normalised(x)
-        found = _along(model, rows, C, x)
+        sigma = _along(model, rows, C, x)
         if high <= floor:
-            return np.sqrt(min(found, floor))
+            return np.sqrt(min(sigma, floor))
         if below <= null and (4.0 * CLOSE * shift + ROUND_OFF) * size >= 1.0:
-            return np.sqrt(found)
+            return np.sqrt(sigma)
         if high <= low * (1.0 + CLOSE):
             return np.sqrt(high)
-        if not (found > low and found < high):
-            found = np.sqrt(low * high)
+        if not (sigma > low and sigma < high):
+            sigma = np.sqrt(low * high)
             for k in range(x.shape[0]):  # x may lack the direction that is sought
                 x[k] += np.cos(k + 1.0) / np.sqrt(1.0 * x.shape[0])
             _normalised(x)
@@ -537,15 +537,15 @@ def _normalised(x: Array) -> float:
 @inlined
 def _along(model: Model, rows: Independence, C: Array, x: Array) -> float:
     """Return |C' x|^2, x (n_c,) by place and of length one."""
-    layout, place, found = model.layout, rows.order.place, 0.0
+    layout, place, total = model.layout, rows.order.place, 0.0
     for i in range(model.n_body):
         first = layout.row_start[i]
         for k in range(layout.size[i]):
             s = 0.0
             for p in range(layout.row_start[i + 1] - first):
                 s += C[i, p, k] * x[place[layout.body_row[first + p]]]
-            found += s * s
-    return found
+            total += s * s
+    return total
 
 
 @inlined

@@ -214,11 +214,11 @@ def momentum_rates(model: Model, y: Array, rates: Array) -> Array:
     parameters = np.asarray(model.pos_start)[:, None] + np.arange(3, 7)
     turning = np.linalg.norm(rates[:, parameters], axis=2).max(axis=1, initial=1.0)
     h = (2e-3 / turning)[:, None]
-    found = np.zeros((len(y), model.n_body, 6))
+    totals = np.zeros((len(y), model.n_body, 6))
     for s, weight in DIFFERENCE:
         _, moved = series.momenta(model, y + s * h * rates)
-        found += weight * moved
-    return found / h[:, :, None]
+        totals += weight * moved
+    return totals / h[:, :, None]
 
 
 def acting(model: Model, t: Array, y: Array, multipliers: Array) -> tuple[Array, Array]:

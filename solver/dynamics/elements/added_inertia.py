@@ -97,12 +97,12 @@ def inertia_of(directions: Sequence[Array], scale: Array, start: np.ndarray) -> 
     """
     moving = max((scale[j] for j in start[:-1]), default=0.0) or 1.0
     turning = max((scale[j + 3] for j in start[:-1]), default=0.0) or 1.0
-    found = []
+    inertia = []
     for body, j in zip(directions, start[:-1], strict=True):
         for g in body:
             own = float(g**2 @ scale[j : j + g.size])
-            found.append(own or (moving if g[:3].any() else turning))
-    return np.array(found, dtype=float)
+            inertia.append(own or (moving if g[:3].any() else turning))
+    return np.array(inertia, dtype=float)
 
 
 def is_positive(M: Array) -> bool:

@@ -87,11 +87,11 @@ def inflate(model: Model, a: Array, first: int, x: Array) -> None:
 @lean
 def largest(a: Array) -> float:
     """Return the largest absolute value of a; nan if there is one."""
-    found = 0.0
+    most = 0.0
     for x in a:
-        if abs(x) > found or x != x:
-            found = abs(x)
-    return found
+        if abs(x) > most or x != x:
+            most = abs(x)
+    return most
 
 
 @lean

@@ -616,12 +616,12 @@ def first_crossing(
         after, h = beyond(model, float(t[i]), y[i]), float(t[i] - t[i - 1])
         gap = Hermite(0.0, 1.0, before[:, 0], h * before[:, 1], after[:, 0], h * after[:, 1])
         passed = (gap(_PARTS) > 0.0) & ready
-        found = [
+        crossings = [
             (_root(gap, e, int(passed[:, e].argmax())), e)
             for e in np.flatnonzero(passed.any(axis=0)).tolist()
         ]
-        if found:
-            share, e = min(found)
+        if crossings:
+            share, e = min(crossings)
             return tuple(ready.tolist()), e, float(t[i - 1]) + share * h
         ready |= after[:, 0] < 0.0
         before = after

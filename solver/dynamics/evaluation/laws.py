@@ -247,7 +247,7 @@ def auxiliary_rate(
         return quantity[2 * of + 1], 0.0
     if quantities.rate[j] < 0:
         return 0.0, 0.0
-    found = evaluated(
+    terms = evaluated(
         quantities.programs,
         quantities.rate[j],
         before_end(quantities, t),
@@ -256,7 +256,7 @@ def auxiliary_rate(
         NO_SEED,
         quantities.stack,
     )
-    return found[0], found[1]
+    return terms[0], terms[1]
 
 
 @lean
@@ -274,7 +274,7 @@ def force_size(quantities: Quantities, k: int, t: float, quantity: Array, out: A
     """
     along = quantities.along[k]
     first, second = (2 * along, 2 * along + 1) if along >= 0 else (NO_SEED, NO_SEED)
-    found = evaluated(
+    terms = evaluated(
         quantities.programs,
         quantities.force[k],
         before_end(quantities, t),
@@ -283,7 +283,7 @@ def force_size(quantities: Quantities, k: int, t: float, quantity: Array, out: A
         second,
         quantities.stack,
     )
-    out[0], out[1], out[2] = found[0], found[1], found[2]
+    out[0], out[1], out[2] = terms[0], terms[1], terms[2]
 
 
 @inlined
@@ -297,8 +297,8 @@ def law_of_time(quantities: Quantities, law: int, t: float) -> tuple[float, floa
     t : time [s]
     """
     none = quantities.offset
-    found = evaluated(quantities.programs, law, t, none, BY_TIME, NO_SEED, quantities.stack)
-    return found[0], found[1], found[3]
+    terms = evaluated(quantities.programs, law, t, none, BY_TIME, NO_SEED, quantities.stack)
+    return terms[0], terms[1], terms[3]
 
 
 @inlined

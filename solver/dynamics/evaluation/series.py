@@ -79,7 +79,7 @@ def along(model: Model, t: Array, y: Array, regular_above: float = REGULAR) -> A
     regular_above : least pivot, over its diagonal entry, above which elimination is used
     """
     t, y = _contiguous(t, y)
-    found, regular = _evaluated(model, t, y, solve=by_blocks(model))
+    result, regular = _evaluated(model, t, y, solve=by_blocks(model))
     # Rows that nearly depend on each other: elimination loses digits that pivoting keeps.
     doubtful = regular < regular_above
     if model.redundant == 0 and doubtful.any() and is_tree(model):
@@ -88,9 +88,9 @@ def along(model: Model, t: Array, y: Array, regular_above: float = REGULAR) -> A
         doubtful[:] = True
     work, spare = spare_workspace(model), np.zeros(state_size(model))
     for k in np.flatnonzero(doubtful).tolist():
-        into = found.rates[k] if model.penalty == 0.0 else spare
-        found.multipliers[k] = dense_derivative_into(model, work, float(t[k]), y[k], into)
-    return found
+        into = result.rates[k] if model.penalty == 0.0 else spare
+        result.multipliers[k] = dense_derivative_into(model, work, float(t[k]), y[k], into)
+    return result
 
 
 def balance(model: Model, t: Array, y: Array) -> Balance:
@@ -102,8 +102,8 @@ def balance(model: Model, t: Array, y: Array) -> Balance:
     t : times (k,) [s]
     y : states (k, n)
     """
-    found, _ = _evaluated(model, *_contiguous(t, y), solve=False)
-    return found.balance
+    result, _ = _evaluated(model, *_contiguous(t, y), solve=False)
+    return result.balance
 
 
 def momenta(model: Model, y: Array) -> tuple[Array, Array]:
@@ -113,9 +113,9 @@ def momenta(model: Model, y: Array) -> tuple[Array, Array]:
     They follow from the mass matrix alone; point masses belong to the bodies that carry them.
     """
     y = np.ascontiguousarray(y, dtype=float)
-    own, found = np.zeros((len(y), model.n_vel)), np.zeros((len(y), model.n_body, 6))
-    _momenta(model, spare_workspace(model), y, own, found)
-    return own, found
+    own, momentum = np.zeros((len(y), model.n_vel)), np.zeros((len(y), model.n_body, 6))
+    _momenta(model, spare_workspace(model), y, own, momentum)
+    return own, momentum
 
 
 def driven_speeds(model: Model, t: Array, y: Array) -> Array:
@@ -127,9 +127,9 @@ def driven_speeds(model: Model, t: Array, y: Array) -> Array:
     t : times (k,) [s]
     y : one state (n,)
     """
-    found = np.zeros((t.size, model.n_constraint))
-    _driven_speeds(model, spare_workspace(model), t, np.ascontiguousarray(y), found)
-    return found
+    speeds = np.zeros((t.size, model.n_constraint))
+    _driven_speeds(model, spare_workspace(model), t, np.ascontiguousarray(y), speeds)
+    return speeds
 
 
 def mass_matrices(model: Model, i: int, t: Array, y: Array) -> Array:
@@ -144,9 +144,9 @@ def mass_matrices(model: Model, i: int, t: Array, y: Array) -> Array:
     """
     t, y = _contiguous(t, y)
     n = int(model.layout.size[i])
-    found = np.zeros((t.size, n, n))
-    _masses(model, spare_workspace(model), i, t, y, found)
-    return found
+    M = np.zeros((t.size, n, n))
+    _masses(model, spare_workspace(model), i, t, y, M)
+    return M
 
 
 def loaded_markers(model: Model) -> IntArray:
@@ -175,10 +175,10 @@ def marker_loads(model: Model, t: Array, y: Array, multipliers: Array) -> Array:
 
 def marker_places(model: Model, y: Array) -> Array:
     """Return the origins of all markers (nk, 3) in one state y (n,), global [m]."""
-    found = np.array(model.marker_x)  # those of the ground
+    places = np.array(model.marker_x)  # those of the ground
     J_m = np.zeros((6, model.layout.widest))
-    _places(model, np.ascontiguousarray(y), np.zeros((3, 3)), np.zeros(N_MOTION), J_m, found)
-    return found
+    _places(model, np.ascontiguousarray(y), np.zeros((3, 3)), np.zeros(N_MOTION), J_m, places)
+    return places
 
 
 def loads_of_markers(model: Model, t: Array, y: Array, multipliers: Array) -> tuple[Array, Array]:
@@ -213,9 +213,9 @@ def force_sizes(model: Model, force: int, t: Array, y: Array, multipliers: Array
     multipliers : multipliers of the constraints (k, n_c)
     """
     t, y = _contiguous(t, y)
-    found = np.zeros(t.size)
-    _sizes(model, spare_workspace(model), force, t, y, np.ascontiguousarray(multipliers), found)
-    return found
+    sizes = np.zeros(t.size)
+    _sizes(model, spare_workspace(model), force, t, y, np.ascontiguousarray(multipliers), sizes)
+    return sizes
 
 
 def quantities(model: Model, t: Array, y: Array) -> Array:
@@ -229,9 +229,9 @@ def quantities(model: Model, t: Array, y: Array) -> Array:
     """
     t, y = _contiguous(t, y)
     work = spare_workspace(model)
-    found = np.zeros((t.size, work.quantity.size))
-    _quantities(model, work, t, y, found)
-    return found
+    values = np.zeros((t.size, work.quantity.size))
+    _quantities(model, work, t, y, values)
+    return values
 
 
 def marker_motions(model: Model, k: int, y: Array) -> tuple[Array, Array]:
@@ -299,21 +299,21 @@ def _evaluations(
 
 @lean
 def _sizes(
-    model: Model, work: Workspace, force: int, t: Array, y: Array, multipliers: Array, found: Array
+    model: Model, work: Workspace, force: int, t: Array, y: Array, multipliers: Array, sizes: Array
 ) -> None:
     law, expression = model.force_law[force], model.quantities.force[force]
     for k in range(t.shape[0]):
         if law >= 0:
-            found[k], _, _ = law_at(model, law, t[k])
+            sizes[k], _, _ = law_at(model, law, t[k])
         elif expression >= 0:
             for i in range(model.n_constraint):
                 work.multipliers[i] = multipliers[k, i]
             evaluate(model, work, t[k], y[k])
-            found[k] = work.size[force, 0]
+            sizes[k] = work.size[force, 0]
 
 
 @lean
-def _momenta(model: Model, work: Workspace, y: Array, own: Array, found: Array) -> None:
+def _momenta(model: Model, work: Workspace, y: Array, own: Array, momentum: Array) -> None:
     for k in range(y.shape[0]):
         evaluate_bodies(model, work, y[k])
         momenta_into(model, work, y[k], own[k])
@@ -323,32 +323,32 @@ def _momenta(model: Model, work: Workspace, y: Array, own: Array, found: Array) 
             orbit = cross3(triple(y[k, a : a + 3]), linear)
             spin = turned(work.A[i], triple(own[k, j + 3 : j + 6]))
             for c in range(3):
-                found[k, i, c], found[k, i, 3 + c] = linear[c], orbit[c] + spin[c]
+                momentum[k, i, c], momentum[k, i, 3 + c] = linear[c], orbit[c] + spin[c]
 
 
 @lean
-def _driven_speeds(model: Model, work: Workspace, t: Array, y: Array, found: Array) -> None:
+def _driven_speeds(model: Model, work: Workspace, t: Array, y: Array, speeds: Array) -> None:
     for k in range(t.shape[0]):
         evaluate(model, work, t[k], y)
         for i in range(model.n_constraint):
-            found[k, i] = work.rows[i, PHI_T]
+            speeds[k, i] = work.rows[i, PHI_T]
 
 
 @lean
-def _quantities(model: Model, work: Workspace, t: Array, y: Array, found: Array) -> None:
+def _quantities(model: Model, work: Workspace, t: Array, y: Array, values: Array) -> None:
     for k in range(t.shape[0]):
         evaluate(model, work, t[k], y[k])
-        for j in range(found.shape[1]):
-            found[k, j] = work.quantity[j]
+        for j in range(values.shape[1]):
+            values[k, j] = work.quantity[j]
 
 
 @lean
-def _masses(model: Model, work: Workspace, i: int, t: Array, y: Array, found: Array) -> None:
+def _masses(model: Model, work: Workspace, i: int, t: Array, y: Array, M: Array) -> None:
     for k in range(t.shape[0]):
         evaluate(model, work, t[k], y[k])
         for a in range(model.layout.size[i]):
             for b in range(a + 1):
-                found[k, a, b] = found[k, b, a] = work.M[i, a, b]
+                M[k, a, b] = M[k, b, a] = work.M[i, a, b]
 
 
 @lean
@@ -359,7 +359,7 @@ def _loads(
     t: Array,
     y: Array,
     multipliers: Array,
-    found: Array,
+    loads: Array,
     origins: Array,
 ) -> None:
     n_joint, q = model.joint_kind.shape[0], model.quantities
@@ -377,13 +377,13 @@ def _loads(
                 at = 2 * (n_joint + model.force_kind.shape[0] + term)
                 for a in range(6):
                     size = push * q.coupling_ratio[term]
-                    found[k, at, a] = -size * work.g[q.coupling_coordinate[term], a]
-                    found[k, at + 1, a] = -size * work.g[q.coupling_coordinate[term], 6 + a]
+                    loads[k, at, a] = -size * work.g[q.coupling_coordinate[term], a]
+                    loads[k, at + 1, a] = -size * work.g[q.coupling_coordinate[term], 6 + a]
         for i in range(first):
             for row in range(model.joint_row[i], model.joint_row[i + 1]):
                 for a in range(6):
-                    found[k, 2 * i, a] -= work.rows[row, a] * multipliers[k, row]
-                    found[k, 2 * i + 1, a] -= work.rows[row, 6 + a] * multipliers[k, row]
+                    loads[k, 2 * i, a] -= work.rows[row, a] * multipliers[k, row]
+                    loads[k, 2 * i + 1, a] -= work.rows[row, 6 + a] * multipliers[k, row]
         for i in range(model.force_kind.shape[0]):
             one = work.motion[model.force_marker[i, 0]]
             two = work.motion[model.force_marker[i, 1]]
@@ -392,11 +392,11 @@ def _loads(
             turn = cross3(arm, wrench.force)
             at = 2 * (n_joint + i)
             for a in range(3):
-                found[k, at + 1, a] = wrench.force[a]
-                found[k, at + 1, 3 + a] = wrench.moment[a]
+                loads[k, at + 1, a] = wrench.force[a]
+                loads[k, at + 1, 3 + a] = wrench.moment[a]
                 if model.force_kind[i] < FIRST_LOAD:
-                    found[k, at, a] = -wrench.force[a]
-                    found[k, at, 3 + a] = -wrench.moment[a] - turn[a]
+                    loads[k, at, a] = -wrench.force[a]
+                    loads[k, at, 3 + a] = -wrench.moment[a] - turn[a]
 
 
 @lean
@@ -408,7 +408,7 @@ def _motions(model: Model, marker: int, y: Array, A: Array, motion: Array, J_m: 
 
 
 @lean
-def _places(model: Model, y: Array, A: Array, motion: Array, J_m: Array, found: Array) -> None:
+def _places(model: Model, y: Array, A: Array, motion: Array, J_m: Array, places: Array) -> None:
     for k in range(model.marker_body.shape[0]):
         body = model.marker_body[k]
         if body >= 0:
@@ -416,4 +416,4 @@ def _places(model: Model, y: Array, A: Array, motion: Array, J_m: Array, found: 
             rotation_into(y[p : p + 4], A)
             move_marker(model, k, y, A, motion, J_m)
             for a in range(3):
-                found[k, a] = motion[PLACE + a]
+                places[k, a] = motion[PLACE + a]

@@ -28,10 +28,10 @@ def terms(model: Model, t: Array, y: Array, a: Array, multipliers: Array) -> Arr
     ----------
     a, multipliers : (k, n_vel), (k, n_c)
     """
-    found = np.zeros((t.size, width(model)))
+    values = np.zeros((t.size, width(model)))
     t, y, a, multipliers = (np.ascontiguousarray(part) for part in (t, y, a, multipliers))
-    _terms(model, spare_workspace(model), t, y, a, multipliers, np.empty(y.shape[1]), found)
-    return found
+    _terms(model, spare_workspace(model), t, y, a, multipliers, np.empty(y.shape[1]), values)
+    return values
 
 
 def residuals(model: Model, t: Array, y: Array, a: Array, multipliers: Array) -> Array:
@@ -60,11 +60,11 @@ def along_directions(
     step : (k, d), of each direction
     """
     k, d = step.shape
-    found = np.zeros((k, d, width(model)))
+    values = np.zeros((k, d, width(model)))
     memory, base = np.empty(y.shape[1]), np.empty(width(model))
     work = spare_workspace(model)
-    _along(model, work, t, y, a, multipliers, directions, step, memory, base, found)
-    return found
+    _along(model, work, t, y, a, multipliers, directions, step, memory, base, values)
+    return values
 
 
 @lean

@@ -91,11 +91,11 @@ def displaced(model: Model, y: Array, change: Array) -> Array:
     change : increments of positions, velocities and auxiliary states (2 n_vel + n_aux,), one for
         all or one each
     """
-    found, n = np.atleast_2d(y).copy(), model.n_vel
-    change = np.broadcast_to(change, (len(found), np.shape(change)[-1]))
-    found[:, model.n_pos : -1] += change[:, n:]
-    move_rows(model, found, np.ascontiguousarray(change[:, :n]))
-    return found.reshape(y.shape)
+    moved, n = np.atleast_2d(y).copy(), model.n_vel
+    change = np.broadcast_to(change, (len(moved), np.shape(change)[-1]))
+    moved[:, model.n_pos : -1] += change[:, n:]
+    move_rows(model, moved, np.ascontiguousarray(change[:, :n]))
+    return moved.reshape(y.shape)
 
 
 @lean

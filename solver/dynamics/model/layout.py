@@ -237,16 +237,16 @@ def _leaves_first(bodies: IntArray) -> list[int]:
     holder: dict[int, int] = {}  # body -> joint by which it hangs
     branches: list[list[int]] = [[] for _ in range(ground + 1)]
     size = [0] * (ground + 1)
-    roots, found = [], [False] * (ground + 1)
+    roots, reached = [], [False] * (ground + 1)
     for root in (ground, *range(ground)):
-        if found[root]:
+        if reached[root]:
             continue
         roots.append(root)
-        found[root], line = True, [root]
+        reached[root], line = True, [root]
         for body in line:
             for k, other in at_body[body]:
-                if not found[other]:
-                    found[other], holder[other] = True, k
+                if not reached[other]:
+                    reached[other], holder[other] = True, k
                     branches[body].append(other)
                     line.append(other)
         for body in reversed(line):
@@ -358,16 +358,16 @@ def make_layout(
 
     element_rows = list(element_rows) or [()] * nf
     element_side = np.full((nf, 2), -1, dtype=np.int64)
-    for k, found in enumerate(element_rows):
-        if not len(found):
+    for k, element in enumerate(element_rows):
+        if not len(element):
             continue
         for side in range(2):
             if at_ends[k, side] >= 0:
                 rows = at_body[at_ends[k, side]]
                 element_side[k, side] = len(rows)
-                rows.extend(range(row[-1], row[-1] + len(found)))
+                rows.extend(range(row[-1], row[-1] + len(element)))
         groups.append(at_ends[k].tolist())
-        row.append(row[-1] + len(found))
+        row.append(row[-1] + len(element))
     newton = _order(groups, row, driven, at_body)
 
     drives = [[p for p, r in enumerate(rows) if mass.place[r] < 0] for rows in constraint_rows]
@@ -388,7 +388,7 @@ def make_layout(
         driven_column=joined(drives),
         driven_row=picked(constraint_rows, drives),
         added_start=starts(added),
-        element_start=starts([len(found) for found in element_rows]),
+        element_start=starts([len(element) for element in element_rows]),
         element_row=joined(element_rows),
         coupling_column=np.array(columns, dtype=np.int64).reshape(-1, 2),
         element_side=element_side,

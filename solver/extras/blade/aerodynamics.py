@@ -49,13 +49,13 @@ def strips(
     x = np.linspace(0.0, 1.0, n + 1)
     ends = s[-1] * 0.5 * (x + np.sin(0.5 * np.pi * x))
     polars = {airfoil.name: _polar(tables, top, airfoil.name) for airfoil in blade.airfoils}
-    found = []
+    rows = []
     for k in range(n):
         at = 0.5 * (ends[k] + ends[k + 1])
         place = float(np.interp(at, s, r))
         centre, polar = _blended(blade, polars, place)
         chord = blade.chord.at(place)
-        found.append(
+        rows.append(
             Strip(
                 name=f"a{k + 1:02d}",
                 at=float(at / s[-1]),
@@ -67,7 +67,7 @@ def strips(
                 polar=polar,
             )
         )
-    return found
+    return rows
 
 
 def _blended(blade: Blade, polars: Mapping[str, Array], r: float) -> tuple[float, Array]:
@@ -77,11 +77,11 @@ def _blended(blade: Blade, polars: Mapping[str, Array], r: float) -> tuple[float
         groups.setdefault(airfoil.thickness, []).append(airfoil)
     sizes = np.array(sorted(groups))
     rows = np.array([along_span(groups[s], r, lambda one: polars[one.name]) for s in sizes])
-    found = rows[0]
+    row = rows[0]
     if len(sizes) > 1:
         thickness = np.clip(blade.thickness.at(r), sizes[0], sizes[-1])
-        found = PchipInterpolator(sizes, rows)(thickness)
-    return float(found[0]), found[1:].reshape(-1, len(COEFFICIENTS))
+        row = PchipInterpolator(sizes, rows)(thickness)
+    return float(row[0]), row[1:].reshape(-1, len(COEFFICIENTS))
 
 
 def _polar(tables: Tables, top: Mapping[str, Any], name: str) -> Array:
@@ -98,7 +98,7 @@ def _polar(tables: Tables, top: Mapping[str, Any], name: str) -> Array:
     sets = tables.entries(polars[0], f"{path}.polars[0].re_sets", required=True)
     if not sets:
         raise tables.error(f"{path}.polars[0].re_sets", "none; expected a Reynolds number")
-    found = []
+    columns = []
     for key in COEFFICIENTS:
         where = f"{path}.polars[0].re_sets[0].{key}"
         curve = tables.table(sets[0], where)
@@ -107,25 +107,25 @@ def _polar(tables: Tables, top: Mapping[str, Any], name: str) -> Array:
             raise tables.error(where, "expected rising angles and as many values")
         angles = np.degrees(grid) if np.abs(grid).max() < RADIANS else grid
         if angles[0] > -179.0 or angles[-1] < 179.0:
-            words = f"{angles[0]:g} to {angles[-1]:g} deg; expected -180 to 180"
-            raise tables.error(f"{where}.grid", words)
-        found.append(PchipInterpolator(angles, values)(np.clip(ANGLES, angles[0], angles[-1])))
-    return np.concatenate([[centre], np.column_stack(found).ravel()])
+            message = f"{angles[0]:g} to {angles[-1]:g} deg; expected -180 to 180"
+            raise tables.error(f"{where}.grid", message)
+        columns.append(PchipInterpolator(angles, values)(np.clip(ANGLES, angles[0], angles[-1])))
+    return np.concatenate([[centre], np.column_stack(columns).ravel()])
 
 
-def section_csv(found: list[Strip]) -> str:
+def section_csv(strips: list[Strip]) -> str:
     """Return the file `table` of a rotor."""
     rows = ["place,chord,width,offset,twist_deg,polar"]
-    for one in found:
+    for one in strips:
         numbers = (one.chord, one.width, one.offset, one.twist_deg)
         rows.append(",".join([one.name, *(f"{value:.8g}" for value in numbers), one.name]))
     return "\n".join([*rows, ""])
 
 
-def polar_csv(found: list[Strip]) -> str:
+def polar_csv(strips: list[Strip]) -> str:
     """Return the file `polar_table` of a rotor."""
     rows = ["polar,alpha_deg,cl,cd,cm"]
-    for one in found:
+    for one in strips:
         for angle, values in zip(ANGLES, one.polar, strict=True):
             rows.append(",".join([one.name, f"{angle:g}", *(f"{value:.6g}" for value in values)]))
     return "\n".join([*rows, ""])

@@ -96,12 +96,12 @@ def read_and_mesh(
     blade = read_blade(file)
     if rotor:
         Machine(blade, read_rotor(blade)[0])
-    for words in blade.left_out:
-        _warning("not-modelled", f"{file}: {words}")
-    for words in blade.doubtful:
-        _warning("unlike-a-blade", f"{file}: {words}")
-    for words in blade.differences:
-        _warning("rule-differs", f"{file}: {words}")
+    for text in blade.left_out:
+        _warning("not-modelled", f"{file}: {text}")
+    for text in blade.doubtful:
+        _warning("unlike-a-blade", f"{file}: {text}")
+    for text in blade.differences:
+        _warning("rule-differs", f"{file}: {text}")
     if at and count:
         raise InputError("blade: expected --stations or --at, not both")
     if count:
@@ -121,8 +121,8 @@ def read_and_mesh(
             continue
         meshed.meshes[name] = mesh
         if mesh.removed > REMOVED:
-            words = "of the layers find no room between the two sides and are not there"
-            _warning("no-room", f"station r = {r:g}: {mesh.removed:.1%} {words}")
+            text = "of the layers find no room between the two sides and are not there"
+            _warning("no-room", f"station r = {r:g}: {mesh.removed:.1%} {text}")
     return meshed
 
 
@@ -136,10 +136,10 @@ def collected(meshed: Meshed, failed: Container[str]) -> list[Station]:
     blade, stations = meshed.blade, analysed(meshed.sections, meshed.places, meshed.meshes, failed)
     for station in complete(stations):
         if blade.given is not None and station.results is not None:
-            found = differences(blade.given, station.r, station.results)
+            deviations = differences(blade.given, station.r, station.results)
             place = f"{blade.file}: station r = {station.r:g}"
-            if found:
-                _warning("differs-from-file", f"{place}: {'; '.join(found)}")
+            if deviations:
+                _warning("differs-from-file", f"{place}: {'; '.join(deviations)}")
     _compare_masses(blade, complete(stations))
     write_text(meshed.folder / TABLE, station_csv(blade, stations))
     return stations
@@ -155,14 +155,14 @@ def _compare_masses(blade: Blade, stations: Sequence[Station]) -> None:
     sums = [one.results.M[0, 0] for one in stations if one.results], theirs, thin_masses(blade, r)
     own, known, thin = (float(np.trapezoid(row, s)) for row in sums)
     if abs(own / known - 1.0) > WHOLE:
-        words = f"{own:.5g} kg, elastic_properties {known:.5g} kg (x {own / known:.3f}); thickness"
-        words += f" times arc of the outer surface, as thin-walled codes count, {thin:.5g} kg"
-        _warning("differs-from-file", f"{blade.file}: the blade has {words} (x {thin / known:.3f})")
+        text = f"{own:.5g} kg, elastic_properties {known:.5g} kg (x {own / known:.3f}); thickness"
+        text += f" times arc of the outer surface, as thin-walled codes count, {thin:.5g} kg"
+        _warning("differs-from-file", f"{blade.file}: the blade has {text} (x {thin / known:.3f})")
 
 
 def thin_masses(blade: Blade, places: Sequence[float]) -> list[float]:
     """Thickness times arc of the outer surface, and webs between its points, at r [kg/m]."""
-    found, rho = [], {name: material["rho"] for name, material in blade.materials.items()}
+    masses, rho = [], {name: material["rho"] for name, material in blade.materials.items()}
     for r in places:
         bands = bands_of(blade, r)
         points, _ = with_face(contour(blade, r), bands)
@@ -172,8 +172,8 @@ def thin_masses(blade: Blade, places: Sequence[float]) -> list[float]:
             ends = np.array([web.start, web.end]) * s[-1]
             height = np.hypot(*(np.diff(np.interp(ends, s, x))[0] for x in points.T))
             mass += height * sum(rho[b.material] * b.thickness for b in web.layers)
-        found.append(float(mass))
-    return found
+        masses.append(float(mass))
+    return masses
 
 
 def write_whole(
@@ -198,8 +198,8 @@ def write_whole(
     """
     done = complete(stations)
     if len(done) < len(meshed.places):
-        found = {station.name for station in done}
-        lost = ", ".join(f"{r:g}" for name, r in meshed.places.items() if name not in found)
+        analysed = {station.name for station in done}
+        lost = ", ".join(f"{r:g}" for name, r in meshed.places.items() if name not in analysed)
         raise InputError(f"blade: r = {lost}: without these stations the blade is another one")
     write_text(meshed.folder / BODY, body_csv(meshed.blade, stations))
     files = [meshed.folder / BODY]
@@ -215,5 +215,5 @@ def write_whole(
     return files
 
 
-def _warning(code: str, words: str) -> None:
-    LOGGER.warning("warning [%s] %s", code, words)
+def _warning(code: str, text: str) -> None:
+    LOGGER.warning("warning [%s] %s", code, text)

@@ -63,17 +63,17 @@ def _overlaps(band: Band, row: list[Band]) -> bool:
 
 def joined(row: list[Band], perimeter: float) -> list[Band]:
     """The same row with bands that nearly meet joined at the foot of the thicker one's slope."""
-    found = list(row)
-    for k in range(len(found) - 1):
+    bands = list(row)
+    for k in range(len(bands) - 1):
         one, two = row[k], row[k + 1]
         if abs(two.start - one.end) <= TOUCH:
             # The area of the slope is that of the full thickness up to the end of the layer.
             thick = max(one.thickness, two.thickness)
             beyond = 0.5 * slope(one, two, perimeter) * (one.thickness - two.thickness) / thick
             at = 0.5 * (one.end + two.start) + beyond
-            found[k] = replace(found[k], end=at)
-            found[k + 1] = replace(found[k + 1], start=at)
-    return found
+            bands[k] = replace(bands[k], end=at)
+            bands[k + 1] = replace(bands[k + 1], start=at)
+    return bands
 
 
 def slope(one: Band, two: Band, perimeter: float) -> float:
@@ -91,7 +91,7 @@ def slope(one: Band, two: Band, perimeter: float) -> float:
 
 def _ends(row: list[Band], perimeter: float) -> list[tuple[Band, tuple[Array, Array]]]:
     """The bands of a joined row, and the points of their thickness: arcs and values [-], [m]."""
-    found = []
+    bands = []
     for k, band in enumerate(row):
         half = taper(band, perimeter)
         arcs, values = [], []
@@ -111,8 +111,8 @@ def _ends(row: list[Band], perimeter: float) -> list[tuple[Band, tuple[Array, Ar
                 arcs += [end, end]
                 values += [band.thickness, band.thickness]
         order = [0, 1, 3, 2]
-        found.append((band, (np.array(arcs)[order], np.array(values)[order])))
-    return found
+        bands.append((band, (np.array(arcs)[order], np.array(values)[order])))
+    return bands
 
 
 def breaks(row: list[Band], perimeter: float) -> list[float]:
@@ -135,14 +135,14 @@ def thickness(row: list[Band], arcs: Array, perimeter: float) -> Array:
     arcs : places on the contour (n,), 0 to 1
     perimeter : length of the contour [m]
     """
-    found = np.zeros(len(arcs))
+    total = np.zeros(len(arcs))
     shared = {band.end for band in row} & {band.start for band in row}
     for band, (points, values) in _ends(row, perimeter):
         own = np.interp(arcs, points, values, left=0.0, right=0.0)
         if band.end in shared:
             own[arcs == band.end] = 0.0  # the next band has this column
-        found += own
-    return found
+        total += own
+    return total
 
 
 def material_of(row: list[Band], arc: float) -> Band:
@@ -193,12 +193,12 @@ class StationMesh:
                 f"structure.layers: {band.name!r} is also a region of the station; expected "
                 "another name of the layer"
             )
-        found = list(dict.fromkeys(corners))
-        if len(found) < 3:
+        distinct = list(dict.fromkeys(corners))
+        if len(distinct) < 3:
             return
-        if enclosed(np.array([self.nodes[k] for k in found])) < 0.0:
-            found.reverse()
-        self.cells.append(tuple(found))
+        if enclosed(np.array([self.nodes[k] for k in distinct])) < 0.0:
+            distinct.reverse()
+        self.cells.append(tuple(distinct))
         self.regions.append(band.name)
 
 
@@ -230,14 +230,14 @@ def feet_of(web: WebLayers, perimeter: float, spacing: float = math.inf) -> Arra
     spacing : length of the cells along the contour, of the perimeter
     """
     plain = tuple(layer.thickness for layer in web.layers)
-    found = []
+    positions = []
     # From the leading edge to the trailing edge: arcs fall on the suction side.
     for middle, sense, widths in zip(
         (web.start, web.end), (-1.0, 1.0), web.widths or (plain, plain), strict=True
     ):
         steps = np.concatenate([[0.0], np.cumsum(widths)]) / perimeter
-        found.append(middle + sense * (steps - 0.5 * steps[-1]))
-    feet = np.array(found)
+        positions.append(middle + sense * (steps - 0.5 * steps[-1]))
+    feet = np.array(positions)
     counts = np.maximum(1, np.round(np.abs(np.diff(feet, axis=1)).max(axis=0) / spacing))
     at = np.concatenate([[0.0], np.cumsum(counts)])
     return np.array([np.interp(np.arange(at[-1] + 1.0), at, foot) for foot in feet])
@@ -252,7 +252,7 @@ def fitted(
     ----------
     inner : (n, 2) places of the columns on the inner face of the wall [m]
     """
-    found, largest = [], 0.0
+    adjusted, largest = [], 0.0
     for web in webs:
         feet = inner[_columns_of(web, arcs, perimeter)]  # (2, n, 2)
         run = feet[1].mean(axis=0) - feet[0].mean(axis=0)
@@ -263,8 +263,8 @@ def fitted(
         new = np.abs(old) * wanted / np.maximum(has, wanted / WIDEST)
         new = np.minimum(new, WIDEST * wanted)
         largest = max(largest, float(np.abs(new / np.abs(old) - 1.0).max()))
-        found.append(replace(web, widths=(tuple(new[0].tolist()), tuple(new[1].tolist()))))
-    return found, largest
+        adjusted.append(replace(web, widths=(tuple(new[0].tolist()), tuple(new[1].tolist()))))
+    return adjusted, largest
 
 
 def _columns_of(web: WebLayers, arcs: Array, perimeter: float) -> IntArray:
@@ -291,8 +291,8 @@ def check_feet(webs: list[WebLayers], perimeter: float, low: float, high: float)
                 raise InputError(f"{key}; expected arcs from {low:.5f} to {high:.5f}")
             for start, end, other in taken:
                 if one < end and two > start:
-                    words = f"expected none of those of {other}, {start:.5f} to {end:.5f}"
-                    raise InputError(f"{key}; {words}")
+                    expectation = f"expected none of those of {other}, {start:.5f} to {end:.5f}"
+                    raise InputError(f"{key}; {expectation}")
             taken.append((one, two, web.name))
 
 

@@ -30,7 +30,7 @@ class Materials:
 
     def read(self, used: Set[str]) -> dict[str, dict[str, Any]]:
         """Return the materials that are used, and adhesives; others may have other keys."""
-        found = {
+        materials = {
             name: self._material(entry, f"materials.{name}")
             for name, entry in self.entries.items()
             if name in used or GLUE in name.lower()
@@ -38,10 +38,10 @@ class Materials:
         self.doubts += [
             f"materials.{name}: E is below {SOFT_GLUE:g} Pa, which joins no walls; the innermost "
             "layer closes sharp trailing edges instead"
-            for name, material in found.items()
+            for name, material in materials.items()
             if GLUE in name.lower() and name not in used and is_soft(material)
         ]
-        return found
+        return materials
 
     def _number(self, entry: Table, path: str) -> float:
         return float(self.tables.numbers(entry, path, 1)[0])
@@ -50,18 +50,18 @@ class Materials:
         rho = self._number(entry, f"{path}.rho")
         if not entry.get("orth"):
             return self._isotropic(entry, path) | {"rho": rho}
-        found: dict[str, object] = {"rho": rho}
+        material: dict[str, object] = {"rho": rho}
         for key, names in (
             ("E", ("E1", "E2", "E3")),
             ("G", ("G12", "G13", "G23")),
             ("nu", ("nu12", "nu13", "nu23")),
         ):
             values = self.tables.numbers(entry, f"{path}.{key}", 3).tolist()
-            found |= dict(zip(names, values, strict=True))
-        found = {"kind": "orthotropic"} | self._elastic(found, path)
+            material |= dict(zip(names, values, strict=True))
+        material = {"kind": "orthotropic"} | self._elastic(material, path)
         if strength := _strength(entry):
-            found["strength"] = strength
-        return found
+            material["strength"] = strength
+        return material
 
     def _isotropic(self, entry: Table, path: str) -> dict[str, object]:
         E, nu = (self._number(entry, f"{path}.{key}") for key in ("E", "nu"))
@@ -79,26 +79,27 @@ class Materials:
                 )
         return {"kind": "isotropic", "E": E, "nu": nu}
 
-    def _elastic(self, found: dict[str, Any], path: str) -> dict[str, Any]:
+    def _elastic(self, constants: dict[str, Any], path: str) -> dict[str, Any]:
         """Constants of an elastic material: without ratios across the wall that none has.
 
         Walls have no stress across, so that nu13 and nu23 matter little, and files of thin-walled
         codes have placeholders there.
         """
         try:
-            Orthotropic(**found)
+            Orthotropic(**constants)
         except MaterialError:
-            plane = found | {"nu13": 0.0, "nu23": 0.0}
+            plane = constants | {"nu13": 0.0, "nu23": 0.0}
             try:
                 Orthotropic(**plane)
             except MaterialError:
-                return found  # the section description names what is wrong
+                return constants  # the section description names what is wrong
+            ratios = ", ".join(f"{constants[key]:g}" for key in ("nu12", "nu13", "nu23"))
             self.doubts.append(
-                f"{path}.nu = [{found['nu12']:g}, {found['nu13']:g}, {found['nu23']:g}]: no "
-                "elastic material has these ratios; nu13 = nu23 = 0 is used"
+                f"{path}.nu = [{ratios}]: no elastic material has these ratios; "
+                "nu13 = nu23 = 0 is used"
             )
             return plane
-        return found
+        return constants
 
 
 def is_soft(adhesive: dict[str, Any]) -> bool:

@@ -276,9 +276,9 @@ def read_rotor(blade: Blade) -> tuple[Turbine, list[Strip], Array]:
     tables, top = Tables(blade.file), turbine_table(blade.file)
     turbine, r = read_turbine(tables, top), np.linspace(0.0, 1.0, DENSE)
     line = line_of(blade, r.tolist())
-    found = strips(blade, tables, top, line, STRIPS)
-    at = [s.r for s in found]
-    return turbine, found, np.column_stack([np.interp(at, r, column) for column in line.T])
+    blade_strips = strips(blade, tables, top, line, STRIPS)
+    at = [s.r for s in blade_strips]
+    return turbine, blade_strips, np.column_stack([np.interp(at, r, column) for column in line.T])
 
 
 def write_rotor(
@@ -288,11 +288,11 @@ def write_rotor(
 
     Returns the files, strips, rotor and operating points. Raises as `read_rotor`.
     """
-    turbine, found, places = read_rotor(blade)
-    write_text(folder / AERO, section_csv(found))
-    write_text(folder / POLARS, polar_csv(found))
+    turbine, blade_strips, places = read_rotor(blade)
+    write_text(folder / AERO, section_csv(blade_strips))
+    write_text(folder / POLARS, polar_csv(blade_strips))
     hub = blade.hub
-    rotor = RigidRotor(found, places, hub.radius, hub.cone_deg, turbine, folder)
+    rotor = RigidRotor(blade_strips, places, hub.radius, hub.cone_deg, turbine, folder)
     points = operation(rotor, WINDS)
     write_text(folder / OPERATION, operation_csv(points))
-    return [folder / name for name in (AERO, POLARS, OPERATION)], found, rotor, points
+    return [folder / name for name in (AERO, POLARS, OPERATION)], blade_strips, rotor, points

@@ -91,7 +91,7 @@ def read_shape(tables: Tables, top: Table, shape: Table, axis: Table) -> Shape:
     def optional(parent: Table, path: str) -> Along:
         return tables.along(parent, path) if path.rpartition(".")[2] in parent else STRAIGHT
 
-    found = Shape(
+    outline = Shape(
         length=tables.along(axis, "reference_axis.z"),
         prebend=optional(axis, "reference_axis.x"),
         sweep=optional(axis, "reference_axis.y"),
@@ -102,9 +102,9 @@ def read_shape(tables: Tables, top: Table, shape: Table, axis: Table) -> Shape:
         airfoils=_airfoils(tables, top, shape),
         height=optional(shape, "outer_shape.section_offset_x"),
     )
-    size, twist = found.thickness.values, np.abs(found.twist.values)
-    least = found.chord.values.min()
-    for wrong, key, words in (
+    size, twist = outline.thickness.values, np.abs(outline.twist.values)
+    least = outline.chord.values.min()
+    for wrong, key, message in (
         (least <= 0.0, "outer_shape.chord", "expected lengths above 0 [m]"),
         (
             size.min() <= 0.0 or size.max() > THICKEST,
@@ -117,24 +117,24 @@ def read_shape(tables: Tables, top: Table, shape: Table, axis: Table) -> Shape:
             f"up to {twist.max():g}; expected degrees from {-TURNED:g} to {TURNED:g}",
         ),
         (
-            np.abs(found.offset.values).max() > FARTHEST * abs(least),
+            np.abs(outline.offset.values).max() > FARTHEST * abs(least),
             "outer_shape.section_offset_y",
-            f"up to {np.abs(found.offset.values).max():g} m; expected metres",
+            f"up to {np.abs(outline.offset.values).max():g} m; expected metres",
         ),
         (
-            np.abs(found.height.values).max() > FARTHEST * abs(least),
+            np.abs(outline.height.values).max() > FARTHEST * abs(least),
             "outer_shape.section_offset_x",
-            f"up to {np.abs(found.height.values).max():g} m; expected metres",
+            f"up to {np.abs(outline.height.values).max():g} m; expected metres",
         ),
         (
-            (np.diff(found.length.values) <= 0.0).any() or len(found.length.values) < 2,
+            (np.diff(outline.length.values) <= 0.0).any() or len(outline.length.values) < 2,
             "reference_axis.z",
             "expected two rising coordinates or more, from root to tip [m]",
         ),
     ):
         if wrong:
-            raise tables.error(f"{key}.values", words)
-    return found
+            raise tables.error(f"{key}.values", message)
+    return outline
 
 
 def _airfoils(tables: Tables, top: Table, shape: Table) -> tuple[Airfoil, ...]:
@@ -150,7 +150,7 @@ def _airfoils(tables: Tables, top: Table, shape: Table) -> tuple[Airfoil, ...]:
         tables.text(entry, f"airfoils[{i}].name"): entry
         for i, entry in enumerate(tables.entries(top, "airfoils", required=True))
     }
-    found: list[Airfoil] = []
+    airfoils: list[Airfoil] = []
     for name in places:
         if name not in known:
             raise tables.error("airfoils", f"no airfoil {name!r}{nearest(name, known)}")
@@ -159,23 +159,25 @@ def _airfoils(tables: Tables, top: Table, shape: Table) -> tuple[Airfoil, ...]:
         x, y = (tables.numbers(xy, f"{at}.coordinates.{key}") for key in "xy")
         points = _ordered(tables, at, x, y)
         (size,) = tables.numbers(known[name], f"{at}.rthick", 1)
-        found.append(Airfoil(name, round(float(size), SAME), points, tuple(sorted(places[name]))))
-    for k, one in enumerate(found):
-        for two in found[:k]:
+        airfoils.append(
+            Airfoil(name, round(float(size), SAME), points, tuple(sorted(places[name])))
+        )
+    for k, one in enumerate(airfoils):
+        for two in airfoils[:k]:
             if one.thickness == two.thickness and not (one.places and two.places):
-                words = (
+                message = (
                     f"{two.name} and {one.name} have the same rthick; expected spanwise_position"
                 )
-                raise tables.error(path, words)
-    return tuple(found)
+                raise tables.error(path, message)
+    return tuple(airfoils)
 
 
 def _ordered(tables: Tables, path: str, x: Array, y: Array) -> Array:
     """Points (n, 2) from the trailing edge over the suction side, from either sense."""
     path = f"{path}.coordinates"
     if len(x) != len(y) or len(x) < 10:
-        words = f"x has {len(x)} numbers and y {len(y)}; expected as many, ten or more"
-        raise tables.error(path, words)
+        message = f"x has {len(x)} numbers and y {len(y)}; expected as many, ten or more"
+        raise tables.error(path, message)
     if np.abs(y).max() > 1.0:
         raise tables.error(path, f"y is up to {np.abs(y).max():g}; expected shares of the chord")
     nose = int(x.argmin())
@@ -287,13 +289,15 @@ def check_layers(tables: Tables, shape: Shape, layers: Sequence[Layer]) -> None:
     for i, layer in enumerate(layers):
         path, t = f"structure.layers[{i}]", layer.thickness
         if t.values.min() < -NOTHING:
-            words = f"{t.values.min():g} of {layer.name}; expected 0 or more [m]"
-            raise tables.error(f"{path}.thickness.values", words)
+            message = f"{t.values.min():g} of {layer.name}; expected 0 or more [m]"
+            raise tables.error(f"{path}.thickness.values", message)
         for r, value in zip(t.grid.tolist(), t.values.tolist(), strict=True):
             room = shape.chord.at(r) * shape.thickness.at(r)
             if value > room:
-                words = f"{value:g} of {layer.name} at r = {r:g}, where the section is {room:.3g} m"
-                raise tables.error(f"{path}.thickness.values", f"{words} thick; expected metres")
+                message = (
+                    f"{value:g} of {layer.name} at r = {r:g}, where the section is {room:.3g} m"
+                )
+                raise tables.error(f"{path}.thickness.values", f"{message} thick; expected metres")
         if layer.web or not t.values.any():
             continue
         grid = np.union1d(np.union1d(layer.start.grid, layer.end.grid), t.grid)
@@ -301,5 +305,7 @@ def check_layers(tables: Tables, shape: Shape, layers: Sequence[Layer]) -> None:
         around = (arcs[:, 0] > 0.5) & (arcs[:, 1] < 0.5)
         if not (around | (arcs[:, 1] - arcs[:, 0] > NO_ARC)).any():
             (start, end) = arcs[0]
-            words = f"{layer.name} begins at {start:g} and ends at {end:g}; expected an end behind"
-            raise tables.error(f"{path}.end_nd_arc", f"{words} the start")
+            message = (
+                f"{layer.name} begins at {start:g} and ends at {end:g}; expected an end behind"
+            )
+            raise tables.error(f"{path}.end_nd_arc", f"{message} the start")

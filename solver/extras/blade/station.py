@@ -198,11 +198,11 @@ def _columns(
         if low < arc < high and not under(arc) and not near:
             wanted.append(arc)
     fixed = sorted(wanted)
-    found = [fixed[0]]
+    columns = [fixed[0]]
     for one, two in itertools.pairwise(fixed):
         count = max(1, round((two - one) / spacing))
-        found += [one + (two - one) * k / count for k in range(1, count + 1)]
-    return np.array(found)
+        columns += [one + (two - one) * k / count for k in range(1, count + 1)]
+    return np.array(columns)
 
 
 def _smooth(points: Array, at: Array, arcs: Array) -> Array:
@@ -224,14 +224,14 @@ def _normals(
     outer : its points at `arcs`
     corners : columns where the contour ends or has a corner
     """
-    found = _mitres(outer, mitred)
+    normals = _mitres(outer, mitred)
     reach = np.abs(arcs[:, None] - np.array(corners)).min(axis=1)
     reach = np.minimum(reach, 1.0 / COLUMNS)
     smooth = reach > 0.0
     chords = _smooth(points, at, arcs + reach) - _smooth(points, at, arcs - reach)
     normal = _sense(outer) * np.column_stack([-chords[:, 1], chords[:, 0]])
-    found[smooth] = normal[smooth] / np.linalg.norm(normal[smooth], axis=1)[:, None]
-    return found
+    normals[smooth] = normal[smooth] / np.linalg.norm(normal[smooth], axis=1)[:, None]
+    return normals
 
 
 def _sense(outer: Array) -> float:
@@ -257,7 +257,7 @@ def _room(arcs: Array, outer: Array, normals: Array) -> Array:
     apart, where small errors of the normal would look like a strong curvature.
     """
     direction = normals / np.linalg.norm(normals, axis=1)[:, None]
-    found = np.full(len(outer), np.inf)
+    room = np.full(len(outer), np.inf)
     for k in range(len(outer)):
         d = outer - outer[k]
         ahead = d @ direction[k]
@@ -265,35 +265,35 @@ def _room(arcs: Array, outer: Array, normals: Array) -> Array:
         # The largest circle that touches the contour here and holds no other point of it.
         usable = (ahead > 1e-9) & (np.abs(arcs - arcs[k]) > NEXT / COLUMNS)
         radius = size[usable] / (2.0 * ahead[usable])
-        found[k] = ROOM * float(radius.min(initial=np.inf))
-    return found
+        room[k] = ROOM * float(radius.min(initial=np.inf))
+    return room
 
 
 def _gradual(limit: Array, outer: Array) -> Array:
     """A limit that changes no faster along the contour than by its length."""
     steps = np.linalg.norm(np.diff(outer, axis=0), axis=1)
-    found = limit.copy()
+    limited = limit.copy()
     for k in range(len(steps)):
-        found[k + 1] = min(found[k + 1], found[k] + steps[k])
+        limited[k + 1] = min(limited[k + 1], limited[k] + steps[k])
     for k in range(len(steps) - 1, -1, -1):
-        found[k] = min(found[k], found[k + 1] + steps[k])
-    return found
+        limited[k] = min(limited[k], limited[k + 1] + steps[k])
+    return limited
 
 
 def _uncrossed(limit: Array, full: Array, outer: Array, normals: Array) -> Array:
     """A limit with which neighbouring columns do not cross: the inner face keeps its direction."""
     steps = np.diff(outer, axis=0)
-    found = limit.copy()
+    limited = limit.copy()
     for _ in range(60):
-        inner = outer + np.minimum(full, found)[:, None] * normals
+        inner = outer + np.minimum(full, limited)[:, None] * normals
         along = (np.diff(inner, axis=0) * steps).sum(axis=1)
         crossed = np.flatnonzero(along < LEAST * (steps * steps).sum(axis=1))
         if not crossed.size:
             break
         at = np.unique(np.concatenate([crossed, crossed + 1]))
-        found[at] = 0.8 * np.minimum(full, found)[at]
-        found = _gradual(found, outer)
-    return found
+        limited[at] = 0.8 * np.minimum(full, limited)[at]
+        limited = _gradual(limited, outer)
+    return limited
 
 
 def _grid(
@@ -407,12 +407,12 @@ def bands_of(blade: Blade, r: float) -> list[Band]:
 
 def webs_of(blade: Blade, r: float) -> list[WebLayers]:
     """Return the webs at r that have layers."""
-    found = []
+    webs = []
     for web in blade.webs:
         layers = [_band(n, r) for n in blade.layers if n.web == web.name and _is_there(n, r)]
         if layers and web.start.covers(r) and web.end.covers(r):
-            found.append(WebLayers(web.name, web.start.at(r), web.end.at(r), tuple(layers)))
-    return found
+            webs.append(WebLayers(web.name, web.start.at(r), web.end.at(r), tuple(layers)))
+    return webs
 
 
 def _is_there(layer: Layer, r: float) -> bool:

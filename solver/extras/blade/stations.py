@@ -62,12 +62,12 @@ def analysed(
     meshes : by name of the station
     failed : names of stations that have failed: files of earlier calls do not count
     """
-    found = []
+    stations = []
     for name, mesh in meshes.items():
         file = sections / name / f"{name}.vtkhdf"
         results = None if name in failed else read_results(file)
-        found.append(Station(places[name], name, mesh, file, results))
-    return found
+        stations.append(Station(places[name], name, mesh, file, results))
+    return stations
 
 
 def complete(stations: Sequence[Station]) -> list[Station]:
@@ -169,15 +169,15 @@ def frequencies_at_rest(
     if len(known) > 2:
         fewer = [*known[:-1:2], known[-1]]
         tables[STATIONS] = (fewer, max(elements, 2 * (len(fewer) - 1)))
-    found = _computed(blade, tables, quiet=quiet)
-    own = found.pop(AS_IT_IS)
-    errors = {name: SHARES[name] * np.abs(w / own - 1.0) for name, w in found.items()}
+    frequencies = _computed(blade, tables, quiet=quiet)
+    own = frequencies.pop(AS_IT_IS)
+    errors = {name: SHARES[name] * np.abs(w / own - 1.0) for name, w in frequencies.items()}
     return own, errors
 
 
 def _softer(stations: Sequence[Station]) -> list[Station]:
     """The stations with K lowered by its estimate; none if one has no estimate."""
-    found = []
+    softened = []
     for station in stations:
         one = station.results
         if one is None or one.error_estimate is None:
@@ -185,8 +185,8 @@ def _softer(stations: Sequence[Station]) -> list[Station]:
         K = one.K - np.diag(np.diag(one.error_estimate))
         if np.linalg.eigvalsh(K)[0] <= 0.0:
             return []
-        found.append(replace(station, results=replace(one, K=K)))
-    return found
+        softened.append(replace(station, results=replace(one, K=K)))
+    return softened
 
 
 def _computed(
@@ -299,10 +299,10 @@ def write_for(code: str, blade: Blade, stations: Sequence[Station], folder: Path
     ------
     InputError : fewer than two complete stations.
     """
-    found = [(s.r, s.results) for s in stations if s.results is not None]
-    if len(found) < 2:
+    usable = [(s.r, s.results) for s in stations if s.results is not None]
+    if len(usable) < 2:
         raise InputError(f"blade: --to {code}: expected two complete stations or more")
-    places, results = [r for r, _ in found], [one for _, one in found]
+    places, results = [r for r, _ in usable], [one for _, one in usable]
     writer = _beamdyn if code == "beamdyn" else _hawc2
     return writer(blade, places, results, folder)
 

@@ -57,20 +57,20 @@ class Tables:
     def __init__(self, file: Path) -> None:
         self.file = file
 
-    def error(self, key: str, words: str) -> InputError:
+    def error(self, key: str, message: str) -> InputError:
         """Return an error that names the file and the key."""
-        return InputError(f"{self.file}: {key}: {words}")
+        return InputError(f"{self.file}: {key}: {message}")
 
     def table(self, parent: Table, path: str) -> dict[str, Any]:
         """Return the table of the last part of `path`."""
         key = path.rpartition(".")[2]
-        found = parent.get(key)
-        if not isinstance(found, dict):
+        value = parent.get(key)
+        if not isinstance(value, dict):
             known = [str(name) for name in parent if name != key]
-            hint = nearest(key, known) if found is None else ""
-            words = "missing" if found is None else f"has {_kind(found)}"
-            raise self.error(path, f"{words}; expected a table of windIO 2{hint}")
-        return found
+            hint = nearest(key, known) if value is None else ""
+            message = "missing" if value is None else f"has {_kind(value)}"
+            raise self.error(path, f"{message}; expected a table of windIO 2{hint}")
+        return value
 
     def entries(self, parent: Table, path: str, *, required: bool = False) -> list[dict[str, Any]]:
         """Return the list of tables of the last part of `path`; without it, none.
@@ -81,24 +81,24 @@ class Tables:
         path : keys from the top of the file, with dots
         required : a missing key is an error
         """
-        found = parent.get(path.rpartition(".")[2])
-        if found is None and not required:
+        value = parent.get(path.rpartition(".")[2])
+        if value is None and not required:
             return []
-        if not isinstance(found, list):
-            words = "missing" if found is None else f"has {_kind(found)}"
-            raise self.error(path, f"{words}; expected a list of tables")
-        for i, entry in enumerate(found):
+        if not isinstance(value, list):
+            message = "missing" if value is None else f"has {_kind(value)}"
+            raise self.error(path, f"{message}; expected a list of tables")
+        for i, entry in enumerate(value):
             if not isinstance(entry, dict):
                 raise self.error(f"{path}[{i}]", f"has {_kind(entry)}; expected a table")
-        return found
+        return value
 
     def text(self, parent: Table, path: str) -> str:
         """Return the name of the last part of `path`."""
-        found = parent.get(path.rpartition(".")[2])
-        if isinstance(found, bool) or not isinstance(found, str | int | float):
-            words = "missing" if found is None else f"has {_kind(found)}"
-            raise self.error(path, f"{words}; expected a name")
-        return str(found)
+        value = parent.get(path.rpartition(".")[2])
+        if isinstance(value, bool) or not isinstance(value, str | int | float):
+            message = "missing" if value is None else f"has {_kind(value)}"
+            raise self.error(path, f"{message}; expected a name")
+        return str(value)
 
     def numbers(self, parent: Table, path: str, count: int | None = None) -> Array:
         """Return numbers (count,) of the last part of `path`; without count, one or more.
@@ -109,45 +109,45 @@ class Tables:
         path : keys from the top of the file, with dots
         count : how many numbers; None: one or more
         """
-        found = parent.get(path.rpartition(".")[2])
-        if found is None:
+        value = parent.get(path.rpartition(".")[2])
+        if value is None:
             raise self.error(path, "missing; expected numbers")
         wanted = "numbers" if count is None else f"{count} numbers" if count > 1 else "a number"
         try:
-            values = np.array(found if count != 1 else [found], dtype=float)
+            values = np.array(value if count != 1 else [value], dtype=float)
         except (TypeError, ValueError, OverflowError):
             values = np.array(np.nan)
         if values.ndim != 1 or len(values) != (count or max(len(values), 1)):
-            raise self.error(path, f"has {_kind(found)}; expected {wanted}")
+            raise self.error(path, f"has {_kind(value)}; expected {wanted}")
         if not (np.abs(values) <= LARGEST).all():
             raise self.error(path, f"expected {wanted}, finite ones, up to {LARGEST:g}")
         return values
 
     def along(self, parent: Table, path: str) -> Along:
         """Return the quantity along the span of the last part of `path`."""
-        found = parent.get(path.rpartition(".")[2])
-        if not isinstance(found, dict) or not {"grid", "values"} <= found.keys():
-            words = "missing" if found is None else f"has {_kind(found)}"
-            words = "lacks grid or values" if isinstance(found, dict) else words
-            raise self.error(path, f"{words}; expected a table with grid and values")
-        grid, values = (self.numbers(found, f"{path}.{key}") for key in ("grid", "values"))
+        value = parent.get(path.rpartition(".")[2])
+        if not isinstance(value, dict) or not {"grid", "values"} <= value.keys():
+            message = "missing" if value is None else f"has {_kind(value)}"
+            message = "lacks grid or values" if isinstance(value, dict) else message
+            raise self.error(path, f"{message}; expected a table with grid and values")
+        grid, values = (self.numbers(value, f"{path}.{key}") for key in ("grid", "values"))
         if len(grid) != len(values):
             raise self.error(path, f"grid has {len(grid)} numbers and values {len(values)}")
         if (np.diff(grid) < 0).any():
             raise self.error(path, "expected a grid that rises")
         if grid[0] < -NEAR or grid[-1] > 1.0 + NEAR:
-            words = f"{grid[0]:g} to {grid[-1]:g}; expected 0 at the root to 1 at the tip"
-            raise self.error(f"{path}.grid", words)
+            message = f"{grid[0]:g} to {grid[-1]:g}; expected 0 at the root to 1 at the tip"
+            raise self.error(f"{path}.grid", message)
         return Along(grid, values)
 
 
-def _kind(found: Any) -> str:
+def _kind(value: Any) -> str:
     """What an entry is, in words for a message."""
-    if isinstance(found, dict):
+    if isinstance(value, dict):
         return "a table"
-    if isinstance(found, list):
-        return f"a list of {len(found)}"
-    return repr(found)
+    if isinstance(value, list):
+        return f"a list of {len(value)}"
+    return repr(value)
 
 
 # Places of layers and webs on the contour: numbers, other anchors, and rules.
@@ -200,18 +200,18 @@ class Anchors:
             for i, entry in enumerate(tables.entries(parent, path)):
                 name = tables.text(entry, f"{path}[{i}].name")
                 if self.entries.get(name, ("", entry))[1] != entry:
-                    words = f"{name!r} is the name of another anchor; expected different names"
-                    raise tables.error(f"{path}[{i}].name", words)
+                    message = f"{name!r} is the name of another anchor; expected different names"
+                    raise tables.error(f"{path}[{i}].name", message)
                 self.entries[name] = f"structure.anchors.{name}", entry
 
     def arc(self, entry: Table, path: str) -> Along:
         """Return the place that an entry of a layer or web has: numbers, or those of an anchor."""
         key = path.rpartition(".")[2]
-        found = entry.get(key)
-        if isinstance(found, dict) and "anchor" in found:
-            if found["anchor"] == UNDEFINED and entry.get("name") in self.entries:
+        value = entry.get(key)
+        if isinstance(value, dict) and "anchor" in value:
+            if value["anchor"] == UNDEFINED and entry.get("name") in self.entries:
                 return self._of(str(entry["name"]), key)
-            return self._of(*self._reference(found, path))
+            return self._of(*self._reference(value, path))
         return self._numbers(entry, path)
 
     def _reference(self, parent: Table, path: str) -> tuple[str, str]:
@@ -222,13 +222,13 @@ class Anchors:
         if name not in self.entries:
             raise self.tables.error(path, f"no anchor {name!r}{nearest(name, self.entries)}")
         if handle not in HANDLES:
-            words = f"no handle {handle!r}; expected {', '.join(HANDLES)}"
-            raise self.tables.error(f"{path}.anchor", words)
+            message = f"no handle {handle!r}; expected {', '.join(HANDLES)}"
+            raise self.tables.error(f"{path}.anchor", message)
         return name, handle
 
     def _numbers(self, entry: Table, path: str) -> Along:
-        found = entry.get(path.rpartition(".")[2])
-        if not isinstance(found, dict) or "grid" not in found:
+        value = entry.get(path.rpartition(".")[2])
+        if not isinstance(value, dict) or "grid" not in value:
             raise self.tables.error(path, "expected numbers in grid and values, or a rule")
         arcs = self.tables.along(entry, path)
         if arcs.values.min() < -AGREE or arcs.values.max() > 1.0 + AGREE:
@@ -282,10 +282,10 @@ class Anchors:
         if entry.get(rule) is None:
             return ()
         defines = self.tables.table(entry, f"{path}.{rule}").get("defines")
-        found = tuple(defines) if isinstance(defines, list) else (defines,)
-        if not found or not all(one in HANDLES for one in found):
+        names = tuple(defines) if isinstance(defines, list) else (defines,)
+        if not names or not all(one in HANDLES for one in names):
             raise self.tables.error(f"{path}.{rule}.defines", f"expected {', '.join(HANDLES)}")
-        return found
+        return names
 
     def _width(self, entry: Table, path: str, handle: str, depth: int) -> Along:
         """Half the width to either side of the midpoint, or all of it from the other end."""
@@ -300,8 +300,8 @@ class Anchors:
             and MIDDLE not in entry
             and MIDDLE not in self._defined(entry, parent, "plane_intersection")
         ):
-            words = "defines both ends; expected midpoint_nd_arc, or a plane that defines it"
-            raise self.tables.error(path, words)
+            message = "defines both ends; expected midpoint_nd_arc, or a plane that defines it"
+            raise self.tables.error(path, message)
         start = self._of(name, MIDDLE if middle else OTHER[handle], depth)
         share = (0.5 if middle else 1.0) * (-1.0 if handle == START else 1.0)
 
@@ -310,10 +310,10 @@ class Anchors:
             trailing = min(start.at(r), 1.0 - start.at(r)) < 1e-6
             if trailing and not middle:  # beyond the face of a flatback, which it covers
                 size += float(s[1])
-            found = start.at(r) + share * size / s[-1]
+            arc = start.at(r) + share * size / s[-1]
             if trailing and middle and size > 0.0:  # around the trailing edge
-                return float(found % 1.0)
-            return float(min(max(found, 0.0), 1.0))
+                return float(arc % 1.0)
+            return float(min(max(arc, 0.0), 1.0))
 
         return self._sampled(path, at, width, start)
 
@@ -344,8 +344,8 @@ class Anchors:
         plane = self.tables.table(rule, f"{path}.{key}")
         curve = plane.get("anchor_curve", "reference_axis")
         if curve != "reference_axis":
-            words = f"{curve!r} is not evaluated here; expected 'reference_axis'"
-            raise self.tables.error(f"{path}.{key}.anchor_curve", words)
+            message = f"{curve!r} is not evaluated here; expected 'reference_axis'"
+            raise self.tables.error(f"{path}.{key}.anchor_curve", message)
         rotation = 0.0
         if plane.get("rotation") is not None:
             rotation = float(self.tables.numbers(plane, f"{path}.{key}.rotation", 1)[0])
@@ -384,10 +384,10 @@ class Anchors:
             grid = np.union1d(grid, part.grid)
         grid = np.array([r for r in grid if all(part.covers(float(r)) for part in parts)])
         values = np.array([at(float(r)) for r in grid])
-        found = np.isfinite(values)
-        if not found.any():
+        finite = np.isfinite(values)
+        if not finite.any():
             raise self.tables.error(path, "has no result on the span of the blade")
-        return Along(grid[found], values[found])
+        return Along(grid[finite], values[finite])
 
     def _contour(self, r: float) -> tuple[Array, Array]:
         if r not in self.contours:

@@ -48,10 +48,10 @@ def read_hub(table: Mapping[str, Any]) -> Hub:
 
 def _number(value: Any) -> float:
     try:
-        found = float(value)
+        number = float(value)
     except (TypeError, ValueError, OverflowError):
         return 0.0
-    return found if math.isfinite(found) else 0.0
+    return number if math.isfinite(number) else 0.0
 
 
 # Stiffness and mass that a windIO file has itself, beside those of its stations.
@@ -77,16 +77,16 @@ class Given:
 
     def at(self, r: float) -> dict[str, float]:
         """What the file says at r, of QUANTITIES; without what it does not have there."""
-        found = {}
+        properties = {}
         if self.mass is not None and self.mass.covers(r):
-            found["mass"] = self.mass.at(r)
+            properties["mass"] = self.mass.at(r)
         K = {key: one.at(r) for key, one in self.stiffness.items() if one.covers(r)}
         if {"K33", "K44", "K55"} <= K.keys():
             EA, X, Y, XX, XY, YY = (K.get(key, 0.0) for key in BENDING)
-            found |= _bending(np.array([[EA, X, Y], [X, XX, XY], [Y, XY, YY]]))
+            properties |= _bending(np.array([[EA, X, Y], [X, XX, XY], [Y, XY, YY]]))
         if "K66" in K:
-            found["GJ"] = _torsion(K)
-        return {key: value for key, value in found.items() if value > 0.0}
+            properties["GJ"] = _torsion(K)
+        return {key: value for key, value in properties.items() if value > 0.0}
 
 
 def read_given(tables: Tables, structure: Table) -> Given | None:
@@ -120,15 +120,15 @@ def differences(given: Given, r: float, results: SectionResults) -> list[str]:
     K = results.K
     ours = {"mass": float(results.M[0, 0]), "GJ": float(1.0 / np.linalg.inv(K)[3, 3])}
     ours |= _bending(K[np.ix_([0, 4, 5], [0, 4, 5])])
-    found = []
+    lines = []
     for key, theirs in given.at(r).items():
         ratio = ours[key] / theirs
         if abs(ratio - 1.0) > DIFFERENT:
-            found.append(
+            lines.append(
                 f"{key} {ours[key]:.4g} {QUANTITIES[key]}, elastic_properties {theirs:.4g} "
                 f"(x {ratio:.3g})"
             )
-    return found
+    return lines
 
 
 def _bending(K: Array) -> dict[str, float]:
@@ -268,13 +268,13 @@ def _unknown(tables: Tables, shape: Table, structure: Table) -> Iterator[str]:
     for path, keys in LISTS.items():
         entries = tables.entries(structure, path)
         parts += [(f"{path}[{i}]", entry, keys) for i, entry in enumerate(entries)]
-    found: dict[tuple[str, ...], list[str]] = {}
+    groups: dict[tuple[str, ...], list[str]] = {}
     for path, entry, known in parts:
         if unknown := [str(key) for key in entry if key not in known]:
             hints = [nearest(key, known) if key not in RANGE else "" for key in unknown]
-            words = [f"{key!r}{hint}" for key, hint in zip(unknown, hints, strict=True)]
-            found.setdefault(tuple(words), []).append(path)
-    for names, paths in found.items():
+            key_texts = [f"{key!r}{hint}" for key, hint in zip(unknown, hints, strict=True)]
+            groups.setdefault(tuple(key_texts), []).append(path)
+    for names, paths in groups.items():
         more = f" and {len(paths) - 1} more of layers, webs and anchors" if paths[1:] else ""
         yield f"{paths[0]}{more}: unknown key{'s' if names[1:] else ''} {', '.join(names)}"
 
@@ -317,33 +317,33 @@ class _Structure:
 
     @cached_property
     def webs(self) -> tuple[Web, ...]:
-        found = []
+        read = []
         for i, entry in enumerate(self.tables.entries(self.structure, "structure.webs")):
             path = f"structure.webs[{i}]"
             name = self.tables.text(entry, f"{path}.name")
             start, end = (
                 self.anchors.arc(entry, f"{path}.{key}_nd_arc") for key in ("start", "end")
             )
-            found.append(Web(name, start, end))
-        return tuple(found)
+            read.append(Web(name, start, end))
+        return tuple(read)
 
     def layers(self) -> tuple[Layer, ...]:
         entries = self.tables.entries(self.structure, "structure.layers", required=True)
         if not entries:
-            words = f"none; expected a layer or more. If windio_converter wrote the file: {HALF}"
-            raise self.tables.error("structure.layers", words)
-        found = tuple(self._layer(e, f"structure.layers[{i}]") for i, e in enumerate(entries))
+            message = f"none; expected a layer or more. If windio_converter wrote the file: {HALF}"
+            raise self.tables.error("structure.layers", message)
+        read = tuple(self._layer(e, f"structure.layers[{i}]") for i, e in enumerate(entries))
         webs = [web.name for web in self.webs]
-        for i, layer in enumerate(found):
+        for i, layer in enumerate(read):
             path = f"structure.layers[{i}]"
             if layer.web and layer.web not in webs:
-                words = f"no web {layer.web!r}{nearest(layer.web, webs)}"
-                raise self.tables.error(f"{path}.web", words)
-            for other in found[:i]:
+                message = f"no web {layer.web!r}{nearest(layer.web, webs)}"
+                raise self.tables.error(f"{path}.web", message)
+            for other in read[:i]:
                 if region_name(other.name) == region_name(layer.name):
-                    words = f"{layer.name!r} is the name of another layer, {other.name!r}"
-                    raise self.tables.error(f"{path}.name", f"{words}; expected different names")
-        return found
+                    message = f"{layer.name!r} is the name of another layer, {other.name!r}"
+                    raise self.tables.error(f"{path}.name", f"{message}; expected different names")
+        return read
 
     def _layer(self, entry: Table, path: str) -> Layer:
         along = self.tables.along

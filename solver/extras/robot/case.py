@@ -105,11 +105,11 @@ def robot_case(
         if value not in get_args(known):
             raise InputError(f"{key} = {value!r}: expected one of {', '.join(get_args(known))}")
     heads, bodies = _bodies(robot, base == "free", keep_fixed)
-    found = [line for body in bodies.values() for line in _mistakes(robot, body, bodies, allow)]
-    found += [] if "units" in allow else _degrees(robot)
-    found = found or _without_inertia(robot, heads, bodies)
-    names = _names(robot, bodies, found)
-    refuse(found)
+    errors = [line for body in bodies.values() for line in _mistakes(robot, body, bodies, allow)]
+    errors += [] if "units" in allow else _degrees(robot)
+    errors = errors or _without_inertia(robot, heads, bodies)
+    names = _names(robot, bodies, errors)
+    refuse(errors)
     made = _Writer(robot, heads, bodies, names, joints)
     return made.case(allow)
 
@@ -172,15 +172,15 @@ def _mistakes(
             f"{at}principal moments {a:.4g}, {b:.4g}, {c:.4g} kg m2; expected all above 0, or "
             "--allow inertia where joints hold what has none"
         ]
-    found = []
+    errors = []
     if c > (a + b) * (1.0 + TRIANGLE) + least and not free:
-        found.append(
+        errors.append(
             f"{at}no solid has principal moments {a:.4g}, {b:.4g}, {c:.4g} kg m2; expected none "
             "above the sum of the other two, or --allow inertia"
         )
     if "units" not in allow and mass > 0.0:
-        found += [f"{at}{text}; or --allow units" for text in _doubts(robot, body, mass, c)]
-    return found
+        errors += [f"{at}{text}; or --allow units" for text in _doubts(robot, body, mass, c)]
+    return errors
 
 
 def _degrees(robot: Robot) -> list[str]:
@@ -263,7 +263,7 @@ def _word(name: str, prefix: str) -> str:
     return word if word[:1].isalpha() and word != GROUND else f"{prefix}_{word}"
 
 
-def _names(robot: Robot, bodies: Mapping[str, Body], found: list[str]) -> dict[str, str]:
+def _names(robot: Robot, bodies: Mapping[str, Body], errors: list[str]) -> dict[str, str]:
     """Return names of the case; `found` gets those that two elements share."""
     names: dict[str, str] = {}
     for what, elements in (("link", robot.links), ("joint", robot.joints)):
@@ -271,7 +271,7 @@ def _names(robot: Robot, bodies: Mapping[str, Body], found: list[str]) -> dict[s
         for name, element in elements.items():
             word = _word(name, what)
             if word in taken:
-                found.append(
+                errors.append(
                     f"{robot.file}:{element.line}: <{what} {name}>: the same name in the case, "
                     f'"{word}", as {what} "{taken[word]}"; expected names that differ in letters, '
                     "digits, _ and -"

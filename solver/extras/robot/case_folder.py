@@ -49,17 +49,17 @@ def import_robot(
     """
     robot = read_urdf(file)
     made = robot_case(robot, joints=joints, base=base, keep_fixed=keep_fixed, allow=allow)
-    pictures, found = dict[str, bytes](), list[str]()
+    pictures, errors = dict[str, bytes](), list[str]()
     for name, body in made.bodies.items() if meshes else ():
         try:
             triangles = body_surface(robot, body, packages or {})
         except InputError as error:
-            found.append(str(error))
+            errors.append(str(error))
             continue
         if len(triangles) and name in made.tables["bodies"]:
             pictures[f"meshes/{name}.stl"] = stl(triangles)
             made.tables["bodies"][name]["picture"] = f"meshes/{name}.stl"
-    refuse(found)
+    refuse(errors)
     target = out / "case.toml"
     if target.exists():
         raise InputError(f"{target}: is there already; expected another folder, by --out")

@@ -32,17 +32,17 @@ def body_surface(robot: Robot, body: Body, packages: Mapping[str, Path]) -> Arra
     InputError
         One line for each mesh that is missing or cannot be read.
     """
-    parts, found = [np.zeros((0, 3, 3))], list[str]()
+    parts, errors = [np.zeros((0, 3, 3))], list[str]()
     for name, pose in body.links.items():
         for shape in robot.links[name].shapes:
             try:
                 triangles = _triangles(shape, robot.file, packages)
             except InputError as error:
-                found.append(f"{robot.file}:{shape.line}: <link {name}>, <{shape.kind}>: {error}")
+                errors.append(f"{robot.file}:{shape.line}: <link {name}>, <{shape.kind}>: {error}")
                 continue
             at = pose @ shape.pose
             parts.append(triangles @ at.A.T + at.p)
-    refuse(found)
+    refuse(errors)
     return fewer(np.concatenate(parts), MOST_TRIANGLES)
 
 
@@ -100,8 +100,8 @@ def mesh_file(name: str, urdf: Path, packages: Mapping[str, Path]) -> Path:
     InputError
         No such file.
     """
-    found = re.fullmatch(r"(?:package|model):/+([^/]+)/(.+)", name)
-    if found is None:
+    match = re.fullmatch(r"(?:package|model):/+([^/]+)/(.+)", name)
+    if match is None:
         path = urdf.parent / re.sub(r"^file://", "", name)
         if not path.is_file():
             raise InputError(
@@ -109,7 +109,7 @@ def mesh_file(name: str, urdf: Path, packages: Mapping[str, Path]) -> Path:
                 "package://NAME/FILE, or --no-meshes"
             )
         return path
-    package, rest = found.groups()
+    package, rest = match.groups()
     if package in packages:
         places = [packages[package]]
     else:
@@ -137,8 +137,8 @@ def _mesh(path: Path) -> Array:
             f"{path}: {path.suffix} needs trimesh; expected `{INSTALL}`, or --no-meshes"
         ) from None
     try:
-        found = trimesh.load(path, force="mesh")
-        return np.asarray(found.triangles, dtype=float)
+        mesh = trimesh.load(path, force="mesh")
+        return np.asarray(mesh.triangles, dtype=float)
     except ImportError as error:
         raise InputError(f"{path}: {error}; expected `{INSTALL}`, or --no-meshes") from None
     except Exception as error:  # of many kinds, by the format

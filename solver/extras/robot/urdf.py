@@ -212,8 +212,8 @@ def _tree(file: Path) -> Element:
     parser = expat.ParserCreate()
     stack = [Element("", {}, 0)]
 
-    def refused(words: str) -> InputError:
-        return InputError(f"{file}:{parser.CurrentLineNumber}: {words}")
+    def refused(message: str) -> InputError:
+        return InputError(f"{file}:{parser.CurrentLineNumber}: {message}")
 
     def begin(tag: str, attributes: dict[str, str]) -> None:
         if len(stack) > 100:
@@ -265,19 +265,19 @@ class _Reader:
         return Robot(self._file, name, root, links, ordered, self._reductions(notes), notes)
 
     def _named(self, tag: str, read: Callable[[str, Element], Thing]) -> dict[str, Thing]:
-        found: dict[str, Thing] = {}
+        named: dict[str, Thing] = {}
         for element in self._root.all(tag):
             name = element.attributes.get("name", "")
             if not name or printable(name) != name:
                 self._of(element, ": expected a name")
-            elif name in found:
+            elif name in named:
                 self._of(element, f': a second {tag} "{name}"')
             else:
                 self._spelled(f"{tag} {name}", element)
-                found[name] = read(name, element)
-        if tag == "link" and not found:
+                named[name] = read(name, element)
+        if tag == "link" and not named:
             self._of(self._root, ": no link; expected one or more")
-        return found
+        return named
 
     def _spelled(self, where: str, element: Element) -> None:
         """Refuse second elements where one is read, and what looks like one that is missing."""
@@ -406,8 +406,8 @@ class _Reader:
         where, kind = f"joint {name}", element.attributes.get("type", "")
         if kind not in tuple(Type):
             types = [str(each) for each in Type]
-            words = f"expected one of {', '.join(types)}{did_you_mean(kind, types)}"
-            self._of(element, f': type = "{printable(kind)}"; {words}')
+            expectation = f"expected one of {', '.join(types)}{did_you_mean(kind, types)}"
+            self._of(element, f': type = "{printable(kind)}"; {expectation}')
         ends = []
         for tag in ("parent", "child"):
             end = element.one(tag)
@@ -497,10 +497,10 @@ class _Reader:
         refuse(self._found)
         roots = [name for name in links if name not in above]
         if len(roots) != 1:
-            found = ", ".join(roots) or "none: the joints form a circle"
+            listed = ", ".join(roots) or "none: the joints form a circle"
             line = links[roots[1]].line if roots else next(iter(joints.values())).line
             raise InputError(
-                f"{self._file}:{line}: links without a parent: {found}; expected one root"
+                f"{self._file}:{line}: links without a parent: {listed}; expected one root"
             )
         below: dict[str, list[UrdfJoint]] = {}
         for joint in joints.values():
@@ -517,7 +517,7 @@ class _Reader:
         return roots[0], ordered
 
     def _reductions(self, notes: list[str]) -> dict[str, float]:
-        found: dict[str, float] = {}
+        ratios: dict[str, float] = {}
         for transmission in self._root.all("transmission"):
             holders = [transmission, *transmission.all("joint"), *transmission.all("actuator")]
             names = [j.attributes.get("name", "") for j in transmission.all("joint")]
@@ -535,8 +535,8 @@ class _Reader:
                     f'<mechanicalReduction> "{printable(text)}"; expected a number other than 0'
                 )
                 continue
-            found |= dict.fromkeys(names, value)
-        return found
+            ratios |= dict.fromkeys(names, value)
+        return ratios
 
 
 def _meant(word: str, known: list[str], there: Collection[str]) -> str:

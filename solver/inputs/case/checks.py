@@ -147,14 +147,14 @@ def check_force(key: str, force: ForceTable, mechanism: Mechanism) -> list[str]:
     force : table of the force
     mechanism : tables of the case, checked for types and bounds
     """
-    found: list[str] = []
-    with collected(found):
+    errors: list[str] = []
+    with collected(errors):
         if is_along(force):
             force_terms(key.partition(".")[2], force, mechanism, _places(mechanism))
         elif (of_time := law(force)) is not None and of_time.expression is not None:
             scope = CaseScope(mechanism, check=_places(mechanism))
             expression(of_time.expression, scope, f"{key}.expression")
-    return found
+    return errors
 
 
 def check_tables(mechanism: Mechanism) -> list[str]:
@@ -167,8 +167,8 @@ def check_tables(mechanism: Mechanism) -> list[str]:
     return [
         f"tables.{name}: is {what}; expected another name"
         for name in mechanism.tables
-        for what, words in others.items()
-        if name in words
+        for what, names in others.items()
+        if name in names
     ]
 
 
@@ -234,13 +234,13 @@ TRIANGLE = 1e-5  # relative: the same digits
 def check_bodies(mechanism: Mechanism, specs: BodySpecs) -> tuple[dict[str, BodySpec], list[str]]:
     """Return the specifications of the flexible bodies by name, and one line per finding."""
     sound: dict[str, BodySpec] = {}
-    found: list[str] = []
+    errors: list[str] = []
     for name, body in mechanism.bodies.items():
         if isinstance(body, BeamBody) and (wrong := _names(f"bodies.{name}", body, mechanism)):
-            found += wrong + check_motion(f"bodies.{name}", body)
+            errors += wrong + check_motion(f"bodies.{name}", body)
         elif isinstance(body, BeamBody | ShellBody | SolidBody | ImportedBody):
             whole = getattr(body, "part_of", None) or name  # equal segments share a package
-            with collected(found):
+            with collected(errors):
                 if mechanism.fidelity is None or isinstance(body, SolidBody | ImportedBody):
                     sound[name] = specs.of(whole, body, mechanism)
                     continue
@@ -254,65 +254,65 @@ def check_bodies(mechanism: Mechanism, specs: BodySpecs) -> tuple[dict[str, Body
             if body.mass == 0.0 or free:  # joints must hold it: require_inertia
                 regular = regular or float(np.linalg.eigvalsh(inertia)[0]) >= 0.0
             if gap > SYMMETRY * np.abs(inertia).max() or not regular:
-                found.append(
+                errors.append(
                     f"bodies.{name}.inertia = {body.inertia}: expected a symmetric, "
                     "positive definite 3x3 matrix"
                 )
             elif not free:
                 a, b, c = np.linalg.eigvalsh(inertia)
                 if c > (a + b) * (1.0 + TRIANGLE):
-                    found.append(
+                    errors.append(
                         f"bodies.{name}.inertia = {body.inertia}: no body has principal moments "
                         f"{a:.6g}, {b:.6g}, {c:.6g} kg m2; expected none above the sum of the "
                         "other two"
                     )
-    return sound, found
+    return sound, errors
 
 
 def _names(key: str, body: BeamBody, mechanism: Mechanism) -> list[str]:
-    found = []
+    errors = []
     places = [(key, body.section, body.material)]
     places += [(f"{key}.stations[{i}]", s.section, s.material) for i, s in enumerate(body.stations)]
     if body.section is None and all(s.at > 0.0 or s.section is not None for s in body.stations):
-        found.append(f"{key}.section: missing; expected the name of a section, or a `table`")
+        errors.append(f"{key}.section: missing; expected the name of a section, or a `table`")
     for where, section, material in places:
         if section is not None:
-            found += unknown(f"{where}.section", section, "section", mechanism.sections)
+            errors += unknown(f"{where}.section", section, "section", mechanism.sections)
         if material is not None:
-            found += unknown(f"{where}.material", material, "material", mechanism.materials)
-    return found
+            errors += unknown(f"{where}.material", material, "material", mechanism.materials)
+    return errors
 
 
 def cross_check(mechanism: Mechanism, specs: BodySpecs) -> tuple[dict[str, BodySpec], list[str]]:
     """Return the specifications of the flexible bodies by name, and one line per finding."""
     bodies, wrong = check_bodies(mechanism, specs)
-    found = check_materials(mechanism.materials) + wrong
-    found += check_names(mechanism) + _joints(mechanism) + _two_drives(mechanism)
-    found += check_tables(mechanism)
-    with collected(found):
+    errors = check_materials(mechanism.materials) + wrong
+    errors += check_names(mechanism) + _joints(mechanism) + _two_drives(mechanism)
+    errors += check_tables(mechanism)
+    with collected(errors):
         state_rates(mechanism, _places(mechanism))
-    found += _forces(mechanism) + check_couplings(mechanism)
+    errors += _forces(mechanism) + check_couplings(mechanism)
     for name, mass in mechanism.masses.items():
-        found += check_place(f"masses.{name}.at", mass.at, mechanism, ground=False)
-    found += _rotor(mechanism)
+        errors += check_place(f"masses.{name}.at", mass.at, mechanism, ground=False)
+    errors += _rotor(mechanism)
     for name, signal in mechanism.signals.items():
         key = f"signals.{name}"
         wrong = _signal(key, signal, mechanism)
         if isinstance(signal, StrengthSignal) and not wrong:
             wrong = without_strengths(f'{key}.body = "{signal.body}"', bodies.get(signal.body))
-        found += wrong
-    found += check_combined(mechanism)
+        errors += wrong
+    errors += check_combined(mechanism)
     spin = mechanism.solver.spin
     if spin is not None and spin.speed != 0.0 and mechanism.solver.start != "equilibrium":
-        found.append(
+        errors.append(
             f'solver.spin.speed = {spin.speed:g}: expected 0, or solver.start = "equilibrium"; '
             "bodies take velocity and angular_velocity"
         )
-    found += check_fidelity(mechanism)
-    found += output_findings(mechanism)
-    with collected(found):
+    errors += check_fidelity(mechanism)
+    errors += output_findings(mechanism)
+    with collected(errors):
         treatment_of(mechanism.solver)
-    return bodies, found
+    return bodies, errors
 
 
 def _owners(between: list[str]) -> list[str]:
@@ -321,16 +321,16 @@ def _owners(between: list[str]) -> list[str]:
 
 def _between(key: str, between: list[str], mechanism: Mechanism, *, one_body: bool) -> list[str]:
     """Return errors of a pair of places; `one_body`: both may be of the same body."""
-    found = []
+    errors = []
     for place in between:
-        found += check_place(key, place, mechanism, ground=True)
+        errors += check_place(key, place, mechanism, ground=True)
     one, two = _owners(between)
     if between[0] == between[1]:
-        found.append(f"{key} = {between}: expected two different places")
+        errors.append(f"{key} = {between}: expected two different places")
     elif one == two and (one == "ground" or not one_body):
         what = "the ground" if one == "ground" else f"body {one}"
-        found.append(f"{key} = {between}: both are of {what}; expected places of two bodies")
-    return found
+        errors.append(f"{key} = {between}: both are of {what}; expected places of two bodies")
+    return errors
 
 
 def _right_angle(key: str, one: list[float], two: list[float]) -> list[str]:
@@ -341,23 +341,23 @@ def _right_angle(key: str, one: list[float], two: list[float]) -> list[str]:
 
 
 def _joints(mechanism: Mechanism) -> list[str]:
-    found = []
+    errors = []
     for name, joint in mechanism.joints.items():
         key = f"joints.{name}"
-        found += _between(f"{key}.between", joint.between, mechanism, one_body=False)
+        errors += _between(f"{key}.between", joint.between, mechanism, one_body=False)
         axis, axis_2 = getattr(joint, "axis", None), getattr(joint, "axis_2", None)
         if axis is not None and axis_2 is not None:
-            found += _right_angle(f"{key}.axis_2", axis, axis_2)
+            errors += _right_angle(f"{key}.axis_2", axis, axis_2)
         for drive_key, drive in drives(joint).items():
-            found += check_drive(f"{key}.{drive_key}", drive, mechanism)
+            errors += check_drive(f"{key}.{drive_key}", drive, mechanism)
             if drive_key in joint_starts(joint):
-                found.append(f"{key}.{drive_key}: expected no drive of a coordinate with a start")
-    return found
+                errors.append(f"{key}.{drive_key}: expected no drive of a coordinate with a start")
+    return errors
 
 
 def _two_drives(mechanism: Mechanism) -> list[str]:
     """Return pairs of drives between the same two bodies about or along parallel axes."""
-    found: list[str] = []
+    errors: list[str] = []
     seen: list[tuple[str, set[str], bool, np.ndarray]] = []
     for name, joint in mechanism.joints.items():
         for drive_key, drive in drives(joint).items():
@@ -368,33 +368,33 @@ def _two_drives(mechanism: Mechanism) -> list[str]:
             for other_key, other_bodies, other_kind, other_axis in seen:
                 parallel = np.linalg.norm(np.cross(axis, other_axis)) < 1e-6
                 if bodies == other_bodies and kind == other_kind and parallel:
-                    found.append(f"{key}: expected one drive on a coordinate; {other_key} has it")
+                    errors.append(f"{key}: expected one drive on a coordinate; {other_key} has it")
             seen.append((key, bodies, kind, axis))
-    return found
+    return errors
 
 
 def _forces(mechanism: Mechanism) -> list[str]:
-    found = []
+    errors = []
     for name, force in mechanism.forces.items():
         key = f"forces.{name}"
-        found += check_force(key, force, mechanism)
+        errors += check_force(key, force, mechanism)
         if isinstance(force, LoadTable):
-            found += check_place(f"{key}.at", force.at, mechanism, ground=False)
+            errors += check_place(f"{key}.at", force.at, mechanism, ground=False)
             continue
         if is_along(force):
             if force.between is not None:
-                found += _between(f"{key}.between", force.between, mechanism, one_body=True)
+                errors += _between(f"{key}.between", force.between, mechanism, one_body=True)
             continue
-        found += _between(f"{key}.between", force.between, mechanism, one_body=True)
+        errors += _between(f"{key}.between", force.between, mechanism, one_body=True)
         axis, axis_1 = getattr(force, "axis", None), getattr(force, "axis_1", None)
         if axis is not None and axis_1 is not None:
-            found += _right_angle(f"{key}.axis_1", axis, axis_1)
+            errors += _right_angle(f"{key}.axis_1", axis, axis_1)
         acts_by = ELEMENTS[force.kind].acts_by
         if acts_by and not any(getattr(force, word) for word in acts_by):
             *most, last = acts_by
             words = f"{', '.join(most)} or {last}" if most else last
-            found.append(f"{key}: has no effect; expected {words}")
-    return found
+            errors.append(f"{key}: has no effect; expected {words}")
+    return errors
 
 
 WHOLE = 1e-6  # [deg] by which a polar may end before half a turn
@@ -404,24 +404,24 @@ def _rotor(mechanism: Mechanism) -> list[str]:
     rotor = mechanism.rotor
     if rotor is None:
         return []
-    found = check_place("rotor.hub", rotor.hub, mechanism, ground=False)
+    errors = check_place("rotor.hub", rotor.hub, mechanism, ground=False)
     for blade in [name for name in rotor.blades if name not in rotor.divided]:
         missing = unknown("rotor.blades", blade, "body", mechanism.bodies)
         known = None if missing else interfaces(mechanism.bodies[blade])
-        found += missing
+        errors += missing
         for section in rotor.sections if known is not None else ():
-            found += unknown(f"rotor.blades: {blade}", section.place, "interface", known or [])
+            errors += unknown(f"rotor.blades: {blade}", section.place, "interface", known or [])
     for k, section in enumerate(rotor.sections):
         where = f'table = "{rotor.table}" row {k + 1}: ' if rotor.table else f"sections.{k}."
-        found += unknown(f"rotor.{where}polar", section.polar, "polar", rotor.polars)
+        errors += unknown(f"rotor.{where}polar", section.polar, "polar", rotor.polars)
     for name, polar in rotor.polars.items():
         first, last = polar.alpha_deg[0], polar.alpha_deg[-1]
         if max(first, -last) > WHOLE - 180.0:
-            found.append(
+            errors.append(
                 f"rotor.polars.{name}.alpha_deg: from {first:g} to {last:g}; expected -180 to 180, "
                 "because a blade may stand still"
             )
-    return found + _wind(rotor.wind, mechanism)
+    return errors + _wind(rotor.wind, mechanism)
 
 
 def _wind(wind: Wind, mechanism: Mechanism) -> list[str]:
@@ -434,8 +434,8 @@ def _wind(wind: Wind, mechanism: Mechanism) -> list[str]:
                 tree = expression(wind.speed.expression, CaseScope(mechanism), key)
             except InputError as error:
                 return [str(error)]
-            words = f'{key} = "{wind.speed.expression}": expected the time t and parameters alone'
-            return [] if of_time_alone(tree) else [words]
+            message = f'{key} = "{wind.speed.expression}": expected the time t and parameters alone'
+            return [] if of_time_alone(tree) else [message]
         if wind.speed.table is not None:
             key, times = f"{key}.table", column(wind.speed.table.times or []).tolist()
     if times is None or times[-1] >= end:
@@ -449,13 +449,13 @@ def _signal(
     mechanism: Mechanism,
 ) -> list[str]:
     if isinstance(signal, PointSignal):
-        found = check_place(f"{key}.at", signal.at, mechanism, ground=False)
+        errors = check_place(f"{key}.at", signal.at, mechanism, ground=False)
         if signal.seen_from is not None:
-            found += check_place(f"{key}.seen_from", signal.seen_from, mechanism, ground=False)
-        return found
+            errors += check_place(f"{key}.seen_from", signal.seen_from, mechanism, ground=False)
+        return errors
     if isinstance(signal, JointSignal | ReactionSignal):
-        found = unknown(f"{key}.joint", signal.joint, "joint", mechanism.joints)
-        if not found and isinstance(signal, JointSignal):
+        errors = unknown(f"{key}.joint", signal.joint, "joint", mechanism.joints)
+        if not errors and isinstance(signal, JointSignal):
             kind = mechanism.joints[signal.joint].kind
             free = [coordinate.name for coordinate in JOINTS[kind].coordinates]
             if signal.coordinate not in free:
@@ -464,7 +464,7 @@ def _signal(
                     f"{key}.coordinate{given} joint {signal.joint} is {kind}; expected "
                     f"{' or '.join(free) or 'another joint'}"
                 ]
-        return found
+        return errors
     if isinstance(signal, DifferenceSignal | NormSignal):
         return []
     if isinstance(signal, RotorSignal):
@@ -486,9 +486,9 @@ def _signal(
     if isinstance(body, RigidBody):
         return [f'{key}.body = "{signal.body}": expected a flexible body, this one is rigid']
     if isinstance(signal, StrengthSignal):
-        found = _of_strength(key, signal, body)
-        if found:
-            return found
+        errors = _of_strength(key, signal, body)
+        if errors:
+            return errors
     elif isinstance(body, ShellBody | SolidBody):
         return [
             f'{key}.body = "{signal.body}": expected a beam, this one is a {body.kind}: its '
@@ -509,17 +509,17 @@ def _signal(
 
 def _of_strength(key: str, signal: StrengthSignal, body: Body) -> list[str]:
     """Return errors of the places of a signal of strength."""
-    found = []
+    errors = []
     surface = isinstance(body, ShellBody | SolidBody)
     if surface and signal.x is not None:
         what = f"{signal.body} is a {body.kind}"
-        found.append(f"{key}.x = {signal.x:g}: expected for beams only, {what}")
+        errors.append(f"{key}.x = {signal.x:g}: expected for beams only, {what}")
     expected = 3 if surface else 2
     known = surface or isinstance(body, BeamBody)  # not before its package is read
     if signal.point is not None and known and len(signal.point) != expected:
         what = "x2, x3 of a beam" if expected == 2 else f"x, y, z of a {body.kind}"
-        found.append(f"{key}.point = {signal.point}: expected {expected} numbers, {what}")
-    return found
+        errors.append(f"{key}.point = {signal.point}: expected {expected} numbers, {what}")
+    return errors
 
 
 def without_strengths(key: str, body: BodySpec | None) -> list[str]:
@@ -547,8 +547,8 @@ def in_parts(
     mechanism: Mechanism, specs: BodySpecs
 ) -> tuple[Mechanism, dict[str, BodySpec], list[str]]:
     """Return the mechanism with divided beams, its flexible bodies, and one line per finding."""
-    bodies, found = cross_check(mechanism, specs)
-    divided = mechanism if found else in_segments(mechanism)
+    bodies, errors = cross_check(mechanism, specs)
+    divided = mechanism if errors else in_segments(mechanism)
     if divided is not mechanism:
-        bodies, found = cross_check(divided, specs)
-    return divided, bodies, found
+        bodies, errors = cross_check(divided, specs)
+    return divided, bodies, errors

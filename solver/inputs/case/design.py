@@ -87,12 +87,12 @@ class CheckedStudy:
 
     def keys(self, p: Array) -> dict[str, float | str]:
         """Return the values of the keys of a design (p,)."""
-        found: dict[str, float | str] = {}
+        values: dict[str, float | str] = {}
         for (name, parameter), value in zip(self.parameters.items(), p, strict=True):
             for t in self.targets[name]:
                 own = parameter.shown(value)
-                found[t.key] = own if isinstance(own, str) else t.factor * own + t.offset
-        return found
+                values[t.key] = own if isinstance(own, str) else t.factor * own + t.offset
+        return values
 
     def richer(self) -> "CheckedStudy":
         """Return the study of finer bodies: twice the elements, half as many modes again.
@@ -180,15 +180,15 @@ def check_study(
     study = design.studies[name]
     merged = merged_of(study.run)
     base, _ = base_of(where, merged, specs)
-    found: list[str] = []
+    errors: list[str] = []
     for wanted in study.parameters or ():
-        found += unknown(
+        errors += unknown(
             f"{where}.parameters", wanted, "parameter of the design", design.parameters
         )
     names = study.parameters or list(design.parameters)
     parameters = {n: design.parameters[n] for n in names if n in design.parameters}
     if not design.parameters:
-        found.append(f"{where}: expected [design.parameters] in the case")
+        errors.append(f"{where}: expected [design.parameters] in the case")
     targets, start = dict[str, list[Target]](), list[float]()
     for parameter_name, parameter in parameters.items():
         at = f"{where.partition(':')[0]}: design.parameters.{parameter_name}"
@@ -198,29 +198,29 @@ def check_study(
             try:
                 own = number_at(base, listed[0].key, specs.folder, text=True)[1]
             except Misplaced as error:
-                found.append(f"{at}.of: {error}")
+                errors.append(f"{at}.of: {error}")
                 continue
             own = own if parameter.start is None else parameter.start
             if own not in parameter.names:
                 words = ", ".join(parameter.names)
-                found.append(f"{at}: the case has {own!r}; expected `start`, one of {words}")
+                errors.append(f"{at}: the case has {own!r}; expected `start`, one of {words}")
                 continue
             start.append(float(parameter.names.index(str(own))))
             continue
         wrong = [line for t in listed for line in _misplaced(at, parameter, t, base, specs)]
-        found += wrong
+        errors += wrong
         if not wrong:
             value: Any = parameter.start
             if value is None:
                 first = listed[0]
                 there = number_at(base, first.key, specs.folder)[1]
                 if there is None:
-                    found.append(f"{at}: {first.key} is absent in this run; expected `start`")
+                    errors.append(f"{at}: {first.key} is absent in this run; expected `start`")
                     continue
                 value = (there - first.offset) / (first.factor or 1.0)
             low, high = parameter.range()
             if not low - 1e-12 * abs(low) <= value <= high + 1e-12 * abs(high):
-                found.append(
+                errors.append(
                     f"{at}: the case has {value:g}, outside {low:g} to {high:g}; expected `start`, "
                     "or bounds around it"
                 )
@@ -232,8 +232,8 @@ def check_study(
         if quantity.subject == "strength" and not wrong:
             body = in_parts(base, specs)[1].get(quantity.name)
             wrong = without_strengths(f'{key}.strength = "{quantity.name}"', body)
-        found += wrong
-    refuse(found)
+        errors += wrong
+    refuse(errors)
     checked = CheckedStudy(
         name, study, parameters, targets, base, np.array(start), merged, where, specs, merged_of
     )

@@ -52,7 +52,7 @@ def coupled(
     InputError
         No such joint or coordinate, or not the only one; both are the same.
     """
-    found = []
+    pairs = []
     for side, joint in enumerate(coupling.joints):
         key, unit = f"couplings.{name}", COUPLINGS[coupling.kind].units[side]
         if wrong := unknown(f"{key}.joints", joint, "joint", mechanism.joints):
@@ -72,10 +72,10 @@ def coupled(
                 f'{key}.coordinates = "{given}": {_WORDS[unit]} of joint {joint} is expected, '
                 f"one of {', '.join(free)}"
             )
-        found.append((joint, given or free[0]))
-    if found[0] == found[1]:
+        pairs.append((joint, given or free[0]))
+    if pairs[0] == pairs[1]:
         raise InputError(f"couplings.{name}: expected two different coordinates")
-    return found[0], found[1]
+    return pairs[0], pairs[1]
 
 
 def check_couplings(mechanism: "Mechanism") -> list[str]:
@@ -264,9 +264,9 @@ def joint_coordinate(mechanism: "Mechanism", name: str, coordinate: str | None) 
     if coordinate is None and len(free) == 1:
         return name, free[0]
     if coordinate is None or coordinate not in free:
-        found = "" if coordinate is None else f', not "{coordinate}"'
+        hint = "" if coordinate is None else f', not "{coordinate}"'
         expected = f"expected one of {', '.join(free)}" if free else "it has no coordinate"
-        raise ValueError(f"joint {name} is {mechanism.joints[name].kind}{found}; {expected}")
+        raise ValueError(f"joint {name} is {mechanism.joints[name].kind}{hint}; {expected}")
     return name, coordinate
 
 
@@ -308,17 +308,17 @@ def state_rates(mechanism: "Mechanism", check: PlaceCheck | None = None) -> dict
 
 def drives(joint: "JointTable") -> dict[str, "RotationDrive | TranslationDrive"]:
     """Return the drives of a joint by their keys."""
-    found = {name: getattr(joint, name) for name in JOINTS[joint.kind].drives}
-    return {name: drive for name, drive in found.items() if drive is not None}
+    laws = {name: getattr(joint, name) for name in JOINTS[joint.kind].drives}
+    return {name: drive for name, drive in laws.items() if drive is not None}
 
 
 def joint_starts(joint: "JointTable") -> dict[str, float]:
     """Return given coordinates of a joint at the start by the keys of drives [rad or m]."""
-    found = {}
+    values = {}
     for name, key in JOINTS[joint.kind].drives.items():
         if (value := getattr(joint, key.start, None)) is not None:
-            found[name] = math.radians(value) if key.start == "start_deg" else value
-    return found
+            values[name] = math.radians(value) if key.start == "start_deg" else value
+    return values
 
 
 def is_load(force: "ForceTable") -> "TypeIs[LoadTable]":

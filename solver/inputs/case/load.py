@@ -109,14 +109,14 @@ def load_case(file: Path, *, coarse: bool = False, sweeps: Collection[str] | Non
 def load_whole_case(file: Path) -> Case:
     """Read and check a case file with all sweeps, and its coarse version. Raises InputError."""
     table = read_toml(file, "case file")
-    cases, found = list[Case](), list[str]()
+    cases, errors = list[Case](), list[str]()
     for coarse in (False, True) if table.get("coarse") else (False,):
         try:
             cases.append(checked_case(table, file, coarse=coarse))
         except InputError as error:
-            new = [line for line in str(error).splitlines() if line not in found]
-            found += [f"{line} (in [coarse])" if coarse else line for line in new]
-    refuse(found)
+            new = [line for line in str(error).splitlines() if line not in errors]
+            errors += [f"{line} (in [coarse])" if coarse else line for line in new]
+    refuse(errors)
     return cases[0]
 
 
@@ -171,9 +171,9 @@ def checked_case(
         except ValidationError as error:
             findings.of_run(name, bare_lines(error, Mechanism))
             continue
-        runs[name], bodies[name], found = in_parts(mechanism, specs)
-        found += [] if top.units == "m" else _in_two_units(mechanism, texts, top.units)
-        findings.of_run(name, found)
+        runs[name], bodies[name], errors = in_parts(mechanism, specs)
+        errors += [] if top.units == "m" else _in_two_units(mechanism, texts, top.units)
+        findings.of_run(name, errors)
     if not findings:  # otherwise a run that is wrong would be missing
         for name, mechanism in runs.items():
             findings.of_run(name, check_elsewhere(mechanism, runs))

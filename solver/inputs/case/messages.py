@@ -86,9 +86,9 @@ class Findings:
         if not runs or len(set(runs)) == len(self.runs):
             return ""
         first = runs[0]
-        words = f"run {first}"
+        text = f"run {first}"
         if variants := self.runs[first]:
-            words += f", variant{'s' * (len(variants) > 1)} {', '.join(variants)}"
+            text += f", variant{'s' * (len(variants) > 1)} {', '.join(variants)}"
         if rest := [run for run in dict.fromkeys(runs) if run != first]:
-            words += f"; also {few(rest)}"
-        return f" ({words})"
+            text += f"; also {few(rest)}"
+        return f" ({text})"

@@ -75,23 +75,23 @@ def elsewhere(signal: Any) -> list[str]:
 
 def needed(signals: Mapping[str, Any]) -> dict[str, list[str]]:
     """Return the other runs that signals read, with the names of what is read there."""
-    found: dict[str, dict[str, None]] = {}
+    by_run: dict[str, dict[str, None]] = {}
     for signal in signals.values():
         for name in elsewhere(signal):
-            found.setdefault(signal.run, {})[name] = None
-    return {run: list(names) for run, names in found.items()}
+            by_run.setdefault(signal.run, {})[name] = None
+    return {run: list(names) for run, names in by_run.items()}
 
 
 def with_parts(names: Collection[str], signals: Mapping[str, Any]) -> dict[str, Any]:
     """Return signals by name with all those that they read in the same run."""
-    found: dict[str, object] = {}
+    complete: dict[str, object] = {}
     left = list(names)
     while left:
         name = left.pop()
-        if name not in found and name in signals:
-            found[name] = signals[name]
+        if name not in complete and name in signals:
+            complete[name] = signals[name]
             left += parts(signals[name])
-    return found
+    return complete
 
 
 def loaded_places(name: str, mechanism: "Mechanism") -> list[str]:
@@ -130,10 +130,10 @@ def seal(mechanism: "Mechanism") -> dict[str, object]:
     return {"named": named, "sha256": _digest(mechanism.model_dump(), named)}
 
 
-def sealed(table: Mapping[str, Any], found: Any) -> "Mechanism | None":
+def sealed(table: Mapping[str, Any], seal: Any) -> "Mechanism | None":
     """Return a mechanism from plain data whose seal is right, without checks; None otherwise."""
-    named = found.get("named") if isinstance(found, dict) else None
-    if not isinstance(named, list) or found.get("sha256") != _digest(table, named):
+    named = seal.get("named") if isinstance(seal, dict) else None
+    if not isinstance(named, list) or seal.get("sha256") != _digest(table, named):
         return None
     return cast("Mechanism", _record(table, "", frozenset(named)))
 

@@ -68,7 +68,7 @@ def parameters_of(sweep: Sweep, mechanism: Mechanism, folder: Path, units: str) 
     }
     owner: dict[str, str] = dict.fromkeys(sweep.expressions, "set")
     found_units = {key: unit_at(mechanism, key, folder, units) for key in sweep.expressions}
-    found = []
+    parameters = []
     for name, variation in sweep.vary.items():
         by_expression = [key for key, names in read.items() if name in names]
         own = variation.keys or ([] if by_expression else [name])
@@ -88,8 +88,8 @@ def parameters_of(sweep: Sweep, mechanism: Mechanism, folder: Path, units: str) 
             for key in keys
             if found_units[key] == units and ":" not in key
         }
-        found.append(Parameter(name, keys, unit, metres))
-    return found
+        parameters.append(Parameter(name, keys, unit, metres))
+    return parameters
 
 
 def changes_of(
@@ -111,11 +111,11 @@ def changes_of(
     Misplaced
         An expression without a finite value.
     """
-    found: dict[str, float] = {}
+    changes: dict[str, float] = {}
     for parameter in parameters:
         for key in parameter.keys:
             if key not in sweep.expressions:
-                found[key] = values[parameter.name]
+                changes[key] = values[parameter.name]
     for key, text in sweep.expressions.items():
         try:
             with np.errstate(all="ignore"):
@@ -124,10 +124,10 @@ def changes_of(
             raise Misplaced(f'set."{key}" = "{text}": {error}') from error
         if not math.isfinite(value):
             raise Misplaced(f'set."{key}" = "{text}": expected a finite value')
-        found[key] = value
+        changes[key] = value
     for parameter in parameters:
-        found |= {key: found[key] / (1.0 / metres) for key, metres in parameter.metres.items()}
-    return {key: int(v) if v == int(v) else v for key, v in found.items()}
+        changes |= {key: changes[key] / (1.0 / metres) for key, metres in parameter.metres.items()}
+    return {key: int(v) if v == int(v) else v for key, v in changes.items()}
 
 
 class _Names(Plain):
@@ -319,22 +319,22 @@ def check_sweep(
     """
     base, texts = base_of(where, merged_of(sweep.run), specs)
     _, base_bodies, wrong = in_parts(base, specs)
-    found = [f"{where}: {line}" for line in wrong]
+    errors = [f"{where}: {line}" for line in wrong]
     for key in ("signals", "histories"):
         for name in getattr(sweep, key):
-            found += unknown(f"{where}.{key}", name, "signal", base.signals)
+            errors += unknown(f"{where}.{key}", name, "signal", base.signals)
     try:
         parameters = parameters_of(sweep, base, specs.folder, specs.units)
     except Misplaced as error:
-        raise InputError("\n".join([*found, f"{where}.vary: {error}"])) from error
+        raise InputError("\n".join([*errors, f"{where}.vary: {error}"])) from error
     times = {"solver.t_end", "solver.output_step"}
     for parameter in parameters:
         if sweep.histories and times & set(parameter.keys):
-            found.append(
+            errors.append(
                 f"{where}.histories: expected none where {parameter.name} is varied: "
                 "histories of all members need the same times"
             )
-    refuse(found)
+    refuse(errors)
     points, problems = sweep.points(), _MemberProblems(where)
     maker = _Maker(sweep, parameters, points, specs)
     own = maker.members(base, texts, problems)
@@ -381,8 +381,8 @@ class _Maker:
         for k, point in enumerate(self.points):
             values = dict(zip(self.sweep.vary, map(float, point), strict=True))
             try:
-                found = changes_of(self.sweep, self.parameters, values, base.parameters)
-                changes = {key: v for key, v in found.items() if key not in left_out}
+                complete = changes_of(self.sweep, self.parameters, values, base.parameters)
+                changes = {key: v for key, v in complete.items() if key not in left_out}
                 changes |= self._following(base, texts, changes)
                 member = Mechanism.model_validate(put(table, changes), context={RESOLVED: True})
             except Misplaced as error:
@@ -406,15 +406,15 @@ class _Maker:
             for k, v in changes.items()
             if k.startswith("parameters.")
         }
-        found: dict[str, float] = {}
+        values: dict[str, float] = {}
         for key, text in texts.items() if own else ():
             value = number_of(text, {**base.parameters, **own})
             if value is None:
                 raise Misplaced(f'{key} = "{text}": expected a finite value')
             if key not in changes:
                 is_length = unit_at(base, key, self.specs.folder) == "m"
-                found[key] = in_metres(value, self.specs.units) if is_length else value
-        return found
+                values[key] = in_metres(value, self.specs.units) if is_length else value
+        return values
 
     def _has(self, mechanism: Mechanism, key: str) -> bool:
         try:

@@ -121,10 +121,10 @@ def _is_own(name: str) -> bool:
 def _read(file: Path) -> dict[str, Any]:
     """Return a table of a JSON file; an empty one of any other file."""
     try:
-        found = json.loads(file.read_text(encoding="utf-8"))
+        content = json.loads(file.read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError):
         return {}
-    return found if isinstance(found, dict) else {}
+    return content if isinstance(content, dict) else {}
 
 
 def write_if_changed(file: Path, text: str) -> None:

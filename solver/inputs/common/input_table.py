@@ -104,8 +104,8 @@ class Table(BaseModel):
         if self.one_of and len(given) != 1:
             if len(self.one_of) == 2:
                 raise ValueError("expected either `{}` or `{}`".format(*self.one_of))
-            found = " and ".join(given) or "none"
-            raise ValueError(f"expected one of {', '.join(self.one_of)}; found {found}")
+            named = " and ".join(given) or "none"
+            raise ValueError(f"expected one of {', '.join(self.one_of)}; found {named}")
         return self
 
 
@@ -190,7 +190,7 @@ def bare_lines(error: ValidationError, model: type[BaseModel], under: str = "") 
     model : model that was checked
     under : path of the table that was checked
     """
-    found: dict[str, list[str]] = {}  # key and value: what is expected, by member of a union
+    expected: dict[str, list[str]] = {}  # key and value: what is expected, by member of a union
     unknown: dict[tuple[Any, ...], list[str]] = {}  # table: keys that it does not have
     items = error.errors()
     for item in items:
@@ -199,16 +199,16 @@ def bare_lines(error: ValidationError, model: type[BaseModel], under: str = "") 
             unknown.setdefault(item["loc"][:-1], []).append(str(path[-1]))
         elif not _is_whole(item, items):
             head, text = _line(item, model, path, kind)
-            found.setdefault(head, []).append(text)
+            expected.setdefault(head, []).append(text)
     for table, names in unknown.items():
         path, kind = follow(model, table)
         key = printable(".".join(map(str, path)))
         *others, own = _kinds_with(names, model, table)
         alike = [name for name in names if any(name in known for known in _keys(kind))]
         if len(names) > 1 and others and not alike:  # the kind is wrong, not the keys
-            found = {head: v for head, v in found.items() if not head.startswith(f"{key}.")}
+            expected = {head: v for head, v in expected.items() if not head.startswith(f"{key}.")}
             text = f"{', '.join(map(printable, names))} are keys of {few(others, ' or ')}"
-            found[f'{key}.kind = "{own}"'] = [text]
+            expected[f'{key}.kind = "{own}"'] = [text]
             continue
         for name in names:
             *others, own = _kinds_with([name], model, table)
@@ -220,9 +220,11 @@ def bare_lines(error: ValidationError, model: type[BaseModel], under: str = "") 
             if others and not meant_here:
                 has = "has" if len(others) == 1 else "have"
                 hint = f" of {own}; {few(others)} {has} it"
-            found[printable(f"{key}.{name}" if key else name)] = [f"unknown key{hint}"]
-    keys = {head: ".".join(filter(None, (under, head))) for head in found}
-    return sorted(f"{keys[k]}: {_joined(texts)}".removeprefix(": ") for k, texts in found.items())
+            expected[printable(f"{key}.{name}" if key else name)] = [f"unknown key{hint}"]
+    keys = {head: ".".join(filter(None, (under, head))) for head in expected}
+    return sorted(
+        f"{keys[k]}: {_joined(texts)}".removeprefix(": ") for k, texts in expected.items()
+    )
 
 
 # Common words, and what they are in a file; with a dot the key of another table. Words that a table
@@ -502,15 +504,15 @@ def members(kind: Any) -> dict[Any, Any]:
     """Return the members of a union by the names that pydantic gives them; empty for no union."""
     if get_origin(kind) not in (Union, UnionType):
         return {}
-    found: dict[Any, Any] = {}
+    kinds: dict[Any, Any] = {}
     for member in get_args(kind):
         names = [a.tag for a in getattr(member, "__metadata__", ()) if isinstance(a, Tag)]
         bare = without_annotations(member)
         if not names and isinstance(bare, type) and issubclass(bare, BaseModel):
             tags = [f.annotation for n, f in bare.model_fields.items() if n in ("kind", "shape")]
             names = [name for tag in tags if get_origin(tag) is Literal for name in get_args(tag)]
-        found.update(dict.fromkeys(names or [getattr(bare, "__name__", str(bare))], bare))
-    return found
+        kinds.update(dict.fromkeys(names or [getattr(bare, "__name__", str(bare))], bare))
+    return kinds
 
 
 def _fields(kind: Any) -> dict[str, FieldInfo]:

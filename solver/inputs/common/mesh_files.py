@@ -88,11 +88,11 @@ def physical_names(file: Path, where: str) -> tuple[list[str], list[str]]:
 def physical_groups(file: Path) -> tuple[list[str], list[str], list[str]]:
     """Return the names of the physical points, curves and surfaces of a .msh file."""
     block = _NAMES.search(file.read_bytes())  # text in binary files too
-    found = [
+    groups = [
         (int(dimension), name.decode("utf-8", "replace"))
         for dimension, _, name in (_NAME.findall(block[1]) if block else [])
     ]
-    points, curves, surfaces = ([name for d, name in found if d == wanted] for wanted in range(3))
+    points, curves, surfaces = ([name for d, name in groups if d == wanted] for wanted in range(3))
     return points, curves, surfaces
 
 
@@ -101,8 +101,8 @@ def files_read(file: Path) -> list[Path]:
 
     A Python script reads the files it names in quotes.
     """
-    found, seen = [file], {file.resolve()}
-    for script in found:
+    files, seen = [file], {file.resolve()}
+    for script in files:
         if script.suffix not in _OTHER:
             continue
         text = script.read_text(encoding="utf-8", errors="replace")
@@ -114,8 +114,8 @@ def files_read(file: Path) -> list[Path]:
             other = script.parent / name
             if other.is_file() and other.resolve() not in seen:
                 seen.add(other.resolve())
-                found.append(other)
-    return found
+                files.append(other)
+    return files
 
 
 def content_sha256(file: Path) -> str:

@@ -143,21 +143,21 @@ def _loaded(text: bytes) -> Any:
             before, anchor = self.values, event.anchor
             if isinstance(event, yaml.AliasEvent):
                 if anchor in self.anchors and anchor not in self.sizes:
-                    words = f"{anchor!r} contains itself"
-                    raise ComposerError(None, None, words, event.start_mark)
+                    message = f"{anchor!r} contains itself"
+                    raise ComposerError(None, None, message, event.start_mark)
                 self.values += self.sizes.get(anchor, 0)
             elif anchor is not None:
                 self.anchors.pop(anchor, None)
                 self.sizes.pop(anchor, None)
             self.values += 1
             self.level += 1
-            for found, most, what in (
+            for count, most, what in (
                 (self.level, YAML_LEVELS, "levels"),
                 (self.values, VALUES, "values, aliases counted as what they stand for"),
             ):
-                if found > most:
-                    words = f"more than {most} {what}"
-                    raise ComposerError(None, None, words, event.start_mark)
+                if count > most:
+                    message = f"more than {most} {what}"
+                    raise ComposerError(None, None, message, event.start_mark)
             node = super().compose_node(parent, index)
             self.level -= 1
             if anchor is not None:
@@ -171,8 +171,8 @@ def _loaded(text: bytes) -> Any:
                 name = key.tag, str(key.value)
                 if name in marks:
                     one, two = marks[name].line + 1, key.start_mark.line + 1
-                    words = f"{key.value}: a key of line {one} and again of line {two}"
-                    raise ComposerError(None, None, f"{words}; expected it once")
+                    message = f"{key.value}: a key of line {one} and again of line {two}"
+                    raise ComposerError(None, None, f"{message}; expected it once")
                 marks[name] = key.start_mark
             return node
 
@@ -182,13 +182,13 @@ def _loaded(text: bytes) -> Any:
             PyYAML 6.0.4 compares keys by identity and takes others.
             """
             own = [pair for pair in node.value if pair[0].tag != MERGE]
-            found = {(key.tag, str(key.value)): (key, value) for key, value in own}
+            count = {(key.tag, str(key.value)): (key, value) for key, value in own}
             for key, value in node.value:
                 for table in _merged_tables(value) if key.tag == MERGE else ():
                     self.flatten_mapping(table)
                     for pair in table.value:
-                        found.setdefault((pair[0].tag, str(pair[0].value)), pair)
-            node.value = list(found.values())
+                        count.setdefault((pair[0].tag, str(pair[0].value)), pair)
+            node.value = list(count.values())
 
     loader = Loader(text)
     try:

@@ -39,13 +39,13 @@ def with_metres(table: Any, unit: str, keys: Iterable[str]) -> Any:
     """
     if unit == "m" or not isinstance(table, dict):
         return table
-    found = dict(table)
+    converted = dict(table)
     for key in keys:
         first, _, rest = key.partition(".")
-        if first in found:
-            inner = found[first]
-            found[first] = with_metres(inner, unit, [rest]) if rest else in_metres(inner, unit)
-    return found
+        if first in converted:
+            inner = converted[first]
+            converted[first] = with_metres(inner, unit, [rest]) if rest else in_metres(inner, unit)
+    return converted
 
 
 def own_scale(table: Any) -> Any:

@@ -203,8 +203,8 @@ def _table(file: Path, columns: tuple[int, ...], whole: int) -> Array:
             f"{file}: row {row + 1}: expected finite numbers, found {table[row].tolist()}"
         )
     if not table.size or table.shape[1] not in columns:
-        words = " or ".join(map(str, columns))
-        raise InputError(f"{file}: rows of {table.shape[1]} numbers, expected {words}")
+        expectation = " or ".join(map(str, columns))
+        raise InputError(f"{file}: rows of {table.shape[1]} numbers, expected {expectation}")
     for row in np.flatnonzero((table != np.round(table))[:, :whole].any(axis=1)):
         raise InputError(f"{file}: row {row + 1}: expected whole numbers")
     numbers, count = np.unique(table[:, 0], return_counts=True)

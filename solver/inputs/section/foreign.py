@@ -94,7 +94,7 @@ def in_one_region(sets: Mapping[str, Mask], what: str) -> IntArray:
 def named_sets(mesh: Any, blocks: list[int]) -> dict[str, Mask]:
     """Return cell sets, groups (MED) and physical names as masks over the cells of `blocks`."""
     sizes = [len(mesh.cells[i].data) for i in blocks]
-    found: dict[str, Mask] = {}
+    sets: dict[str, Mask] = {}
     for name, members in mesh.cell_sets.items():
         if name.startswith("gmsh:"):  # data that meshio adds
             continue
@@ -102,13 +102,13 @@ def named_sets(mesh: Any, blocks: list[int]) -> dict[str, Mask]:
         for mask, i in zip(masks, blocks, strict=True):
             if members[i] is not None:
                 mask[np.asarray(members[i], dtype=np.int64)] = True
-        found[name] = np.concatenate([np.zeros(0, dtype=bool), *masks])
+        sets[name] = np.concatenate([np.zeros(0, dtype=bool), *masks])
     for number, groups in getattr(mesh, "cell_tags", {}).items():
         tags = [np.asarray(mesh.cell_data["cell_tags"][i]) for i in blocks]
         for group in groups:
             mask = np.concatenate([np.zeros(0), *tags]) == number
-            found[group] = found.get(group, np.zeros(mask.size, dtype=bool)) | mask
-    return {name: mask for name, mask in found.items() if mask.any()}
+            sets[group] = sets.get(group, np.zeros(mask.size, dtype=bool)) | mask
+    return {name: mask for name, mask in sets.items() if mask.any()}
 
 
 # Meshes of other programs, read by meshio into plain arrays with named regions.
@@ -263,30 +263,30 @@ def assign_regions(mesh: ForeignMesh, names: Iterable[str], default: str | None)
         A name that the mesh does not have, cells in two regions or in none.
     """
     names = list(names)
-    found = []
+    errors = []
     region = np.full(len(mesh.cells), -1, dtype=np.int64)
     for row, name in enumerate(names):
         if name not in mesh.sets:
-            found.append(
+            errors.append(
                 f"regions.{name}: {mesh.file.name} has no such region{nearest(name, mesh.sets)}"
             )
             continue
         for other in np.unique(region[mesh.sets[name] & (region >= 0)]):
             both = int(np.count_nonzero(mesh.sets[name] & (region == other)))
-            found.append(
+            errors.append(
                 f"regions.{name}: {both} of its cells in {mesh.file.name} are in region "
                 f"{names[other]} too: expected each cell in one region"
             )
         region[mesh.sets[name]] = row
     bare = region < 0
-    if default is None and bare.any() and not found:
+    if default is None and bare.any() and not errors:
         left = [name for name, mask in mesh.sets.items() if (mask & bare).any()]
         listed = f"; they are in {few(left)}" if left else ""
-        found.append(
+        errors.append(
             f"regions: {np.count_nonzero(bare)} of {bare.size} cells of {mesh.file.name} belong to "
             f"no described region{listed}: expected a table for each, or regions.all"
         )
-    refuse(found)
+    refuse(errors)
     region[bare] = len(names)
     return region
 
@@ -389,8 +389,8 @@ def gmsh_mesh(file: Path, where: str, folder: Path, dimension: int) -> Path:
         expected = "tetrahedra or hexahedra"
         if dimension == 2:
             expected = "triangle and quad, of degree 1, in space"
-        found = f"its cells are of type {', '.join(others) or 'none'}"
-        raise InputError(f"{where}: {found}, expected {expected}")
+        content = f"its cells are of type {', '.join(others) or 'none'}"
+        raise InputError(f"{where}: {content}, expected {expected}")
     names: dict[str, IntArray] = {}
     cells: list[tuple[str, IntArray]] = []
     tags: list[IntArray] = []

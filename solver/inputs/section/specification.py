@@ -69,25 +69,25 @@ def shape_mesh(
     for key in (parameter.key for parameter in shape(mesh.shape).parameters if parameter.text):
         if key in values and (folder / values[key]).is_file():  # otherwise one of the library
             values[key] = str(folder / values[key])
-    found: list[str] = []
+    errors: list[str] = []
     of_shape = walls(mesh.shape, values)
     names = [wall.region for wall in of_shape]
     for name in regions:
         if name not in (*names, ALL):
-            found.append(f"regions.{name}: a {mesh.shape} has no such wall{nearest(name, names)}")
+            errors.append(f"regions.{name}: a {mesh.shape} has no such wall{nearest(name, names)}")
     expanded: dict[str, SectionRegionTable] = {}
     for wall in of_shape:
         key = wall.region if wall.region in regions else ALL
         if key not in regions:
-            found.append(
+            errors.append(
                 f"regions.{wall.region}: missing; a {mesh.shape} has the walls {', '.join(names)}"
             )
         elif key in stacks:
-            found += _fit(wall, key, stacks[key], mesh.values, values)
+            errors += _fit(wall, key, stacks[key], mesh.values, values)
             given = regions[key].direction
             direction = wall.direction if given is None else plain_table(given)
             expanded[wall.region] = {"plies": stacks[key], "direction": {**direction}}
-    refuse(found)
+    refuse(errors)
     if len(expanded) < len(of_shape):  # reported elsewhere
         return {}, {}
     if curved and "elements_3" in {p.key for p in shape(mesh.shape).parameters}:
@@ -148,15 +148,15 @@ def file_mesh(
     table, regions = description.mesh, description.regions
     assert isinstance(table, FileMesh)
     file, _ = mesh_source(table.file, folder)
-    found = [line for name, region in regions.items() for line in _direction(name, region, stacks)]
+    errors = [line for name, region in regions.items() for line in _direction(name, region, stacks)]
     try:
         if file.suffix == ".geo" or (file.suffix == ".msh" and is_gmsh_mesh(file)):
             mesh, names = _of_gmsh(file, table, regions)
         else:
             mesh, names = _of_others(file, table, regions, arrays_folder)
     except InputError as error:
-        raise InputError("\n".join([*str(error).splitlines(), *found])) from error
-    refuse(found)
+        raise InputError("\n".join([*str(error).splitlines(), *errors])) from error
+    refuse(errors)
     if table.scale is not None:
         mesh["scale"] = table.scale
     expanded: dict[str, SectionRegionTable] = {}
@@ -172,9 +172,9 @@ def file_mesh(
 def _of_gmsh(file: Path, table: FileMesh, regions: Regions) -> tuple[SectionMeshTable, Names]:
     """Return a mesh or script of gmsh, and the description of each of its regions."""
     script = file.suffix == ".geo"
-    found = []
+    errors = []
     if table.region_data is not None:
-        found.append(
+        errors.append(
             f'mesh.region_data = "{table.region_data}": expected no such key, the regions of '
             f"{table.file} are its physical surfaces"
         )
@@ -186,8 +186,8 @@ def _of_gmsh(file: Path, table: FileMesh, regions: Regions) -> tuple[SectionMesh
     else:
         surfaces, curves = physical_names(file, f'mesh.file = "{table.file}"')
         names, missing = _match(regions, surfaces, table.file)
-        found += [*_no_parameters(table), *missing, *_curves(regions, curves, table.file)]
-    refuse(found)
+        errors += [*_no_parameters(table), *missing, *_curves(regions, curves, table.file)]
+    refuse(errors)
     return mesh, names
 
 
@@ -196,8 +196,8 @@ def _of_others(
 ) -> tuple[SectionMeshTable, Names]:
     """Return the mesh of another program as arrays, and the description of each of its regions."""
     foreign = read_foreign(file, f'mesh.file = "{table.file}"', table.region_data)
-    found = [*_no_parameters(table), *_curves(regions, foreign.curves, table.file)]
-    refuse(found)
+    errors = [*_no_parameters(table), *_curves(regions, foreign.curves, table.file)]
+    refuse(errors)
     names = [name for name in regions if name != ALL]
     region = assign_regions(foreign, names, ALL if ALL in regions else None)
     if (region == len(names)).any():
@@ -229,7 +229,7 @@ def _direction(name: str, region: Region, stacks: Stacks) -> list[str]:
 
 def _match(regions: Regions, surfaces: list[str], file: str) -> tuple[dict[str, str], list[str]]:
     """Return the description of each region of the mesh, and the errors."""
-    found = [
+    errors = [
         f"regions.{name}: {file} has no physical surface of this name{nearest(name, surfaces)}"
         for name in regions
         if name not in (*surfaces, ALL)
@@ -240,10 +240,10 @@ def _match(regions: Regions, surfaces: list[str], file: str) -> tuple[dict[str, 
         if described in regions:
             names[name] = described
         else:
-            found.append(
+            errors.append(
                 f"regions.{name}: missing; {file} has the physical surfaces {few(surfaces)}"
             )
-    return names, found
+    return names, errors
 
 
 def _curves(regions: Regions, curves: Any, file: str) -> list[str]:
@@ -356,11 +356,11 @@ def _stack(name: str, region: Region, description: SectionDescription) -> list[P
     else:
         key, laminate = f"laminates.{region.laminate}", str(region.laminate)
         laminates = description.laminates
-        if found := unknown(f"regions.{name}.laminate", laminate, "laminate", laminates):
-            raise InputError(found[0])
+        if errors := unknown(f"regions.{name}.laminate", laminate, "laminate", laminates):
+            raise InputError(errors[0])
         plies = laminates[laminate].stack()
-    if found := unknown_materials(key, (p["material"] for p in plies), description.materials):
-        raise InputError("\n".join(found))
+    if errors := unknown_materials(key, (p["material"] for p in plies), description.materials):
+        raise InputError("\n".join(errors))
     return plies
 
 

@@ -223,7 +223,7 @@ def design_of(
     ------
     InputError : a key that does not exist or is no number; a number of elements that changes.
     """
-    found = {}
+    parameters = {}
     for name, factors in asked.items():
         values = {key: _number(table, key, file) for key in factors}
         sizes = [
@@ -245,14 +245,14 @@ def design_of(
                 f"{file}: {', '.join(factors)}: a number of elements changes on both sides of this "
                 "value, so that there is no derivative; expected a slightly different one"
             )
-        found[name] = [
+        parameters[name] = [
             {"of": list(path), "factor": float(f"{rate / step:.13g}")}
             for path, rate in rates.items()
             if abs(rate) > ROUNDING * abs(here[path])
         ]
-        if not found[name]:
+        if not parameters[name]:
             raise InputError(f"{file}: {', '.join(factors)}: expected a number that has an effect")
-    return found
+    return parameters
 
 
 def _rates(leaves: Callable[[float], Leaves]) -> tuple[Leaves | None, Leaves]:
@@ -285,11 +285,11 @@ def _number(table: dict[str, object], key: str, file: Path) -> float:
 def leaves_of(spec: Any, path: tuple[str | int, ...] = ()) -> Leaves:
     """Return all values of nested tables and lists by their keys."""
     pairs = spec.items() if isinstance(spec, dict) else enumerate(spec)
-    found: Leaves = {}
+    leaves: Leaves = {}
     for key, value in pairs:
         nested = isinstance(value, dict | list)
-        found |= leaves_of(value, (*path, key)) if nested else {(*path, key): value}
-    return found
+        leaves |= leaves_of(value, (*path, key)) if nested else {(*path, key): value}
+    return leaves
 
 
 def described_spec(
@@ -324,6 +324,6 @@ def described_spec(
     except InputError as error:
         if not changes:
             raise
-        found = str(error).splitlines()
-        raise InputError("\n".join(f"{name}: {line}" for line in found)) from error
+        lines = str(error).splitlines()
+        raise InputError("\n".join(f"{name}: {line}" for line in lines)) from error
     return spec | ({"name": name} if changes else {}) | ({"design": design} if design else {})

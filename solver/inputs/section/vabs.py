@@ -85,8 +85,8 @@ class Records:
 
     def reals(self, count: int, what: str) -> list[float]:
         """The numbers of one read."""
-        found: list[float] = []
-        while len(found) < count:
+        numbers: list[float] = []
+        while len(numbers) < count:
             if self.place >= len(self._words):
                 raise InputError(f"{self.file}: the file ends before {what}")
             words = self._words[self.place]
@@ -94,10 +94,10 @@ class Records:
             for word in words:
                 repeat = REPEATED.fullmatch(word)
                 times, text = (int(repeat[1]), repeat[2]) if repeat else (1, word)
-                found += [self._real(text, what)] * min(times, count)
-                if len(found) >= count:
+                numbers += [self._real(text, what)] * min(times, count)
+                if len(numbers) >= count:
                     break
-        return found[:count]
+        return numbers[:count]
 
     def whole(self, what: str, least: int = 0, most: int | None = None) -> int:
         """A read of one whole number within bounds.

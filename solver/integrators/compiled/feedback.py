@@ -237,7 +237,7 @@ def freeze_feedback(model: Model, work: Workspace, t: float, feedback: Feedback)
             p, sign = q.force[q.feedback[row]], -1.0
         else:
             p, sign = q.rate[q.coupled_state[row - n_force]], 1.0
-        found = evaluated(q.programs, p, t, work.quantity, 2 * m, 2 * m + 1, q.stack)
+        value = evaluated(q.programs, p, t, work.quantity, 2 * m, 2 * m + 1, q.stack)
         for side in range(2):
             marker = q.marker[m, side]
             body = model.marker_body[marker]
@@ -246,17 +246,17 @@ def freeze_feedback(model: Model, work: Workspace, t: float, feedback: Feedback)
                     moved = 0.0
                     for a in range(6):
                         moved += work.g[m, 6 * side + a] * work.J_m[marker, a, b]
-                    fed[row, BY_VALUE, body, b] += sign * found[1] * moved
-                    fed[row, BY_RATE, body, b] += sign * found[2] * moved
+                    fed[row, BY_VALUE, body, b] += sign * value[1] * moved
+                    fed[row, BY_RATE, body, b] += sign * value[2] * moved
     first = work.quantity.shape[0] - q.reaction_kind.shape[0]
     for i in range(n_force):
         p = q.force[q.feedback[i]]
         for r in range(q.reaction_kind.shape[0]):
-            found = evaluated(q.programs, p, t, work.quantity, first + r, NO_SEED, q.stack)
-            if found[1] != 0.0:
+            value = evaluated(q.programs, p, t, work.quantity, first + r, NO_SEED, q.stack)
+            if value[1] != 0.0:
                 joint = q.reaction_joint[r]
                 for row in range(model.joint_row[joint], model.joint_row[joint + 1]):
-                    by_reactions[i, row] -= found[1] * reaction_slope(model, work, r, row)
+                    by_reactions[i, row] -= value[1] * reaction_slope(model, work, r, row)
 
 
 @lean

@@ -162,10 +162,10 @@ def add_tension(
 @inlined
 def _exceeds(K: Array, M: Array, n: int, s_squared: float) -> bool:
     """Return whether an entry of the diagonal of K exceeds s^2 M."""
-    found = False
+    exceeds = False
     for a in range(3, n):
-        found = found or abs(K[a, a]) > s_squared * M[a, a]
-    return found
+        exceeds = exceeds or abs(K[a, a]) > s_squared * M[a, a]
+    return exceeds
 
 
 @inlined

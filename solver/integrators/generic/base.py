@@ -380,11 +380,11 @@ class Integrator(ABC):
             # Steps have crept up to where the equations end; other troubles of tiny steps follow.
             self._not_finite, self._trouble = 1, self._wall[1]
         unstable = self._growth > advice.GROWN or self.fails_before_growth
-        words = self.on_growth if self.fixed_step is not None and unstable else ""
-        words = words or (advice.NOT_FINITE if self._not_finite > 0 else self.on_failure)
+        hint = self.on_growth if self.fixed_step is not None and unstable else ""
+        hint = hint or (advice.NOT_FINITE if self._not_finite > 0 else self.on_failure)
         if self.on_any_failure:
-            words = f"{words}. {self.on_any_failure}"
-        self.message = f"{where}; last refusal: {self._trouble or 'none'}. {words}."
+            hint = f"{hint}. {self.on_any_failure}"
+        self.message = f"{where}; last refusal: {self._trouble or 'none'}. {hint}."
 
     def follow(self, pace: Pace) -> None:
         """Notice that the run has come to a stall; called between steps, or many of them.
@@ -393,13 +393,13 @@ class Integrator(ABC):
         """
         if self.stalls or self.chattering:
             return
-        found = pace.stalled(self.t, self.counters.steps, self.counters.rejected)
-        if found is not None:
+        stall = pace.stalled(self.t, self.counters.steps, self.counters.rejected)
+        if stall is not None:
             fastest = self.fastest_motion()
-            if not self.vibrates and fastest.rate * found.step > OWN:
+            if not self.vibrates and fastest.rate * stall.step > OWN:
                 return
-            found = replace(found, component=fastest.component, rate=fastest.rate)
-            self.stalls.append(replace(found, remedy=self.on_stall))
+            stall = replace(stall, component=fastest.component, rate=fastest.rate)
+            self.stalls.append(replace(stall, remedy=self.on_stall))
 
     @property
     def damped_energy(self) -> float:

@@ -141,11 +141,11 @@ def _door(part: Part, arguments: tuple[Any, ...], kinds: Any) -> Callable[..., A
         return lambda words, arguments: part.function(*arguments)
     try:
         check_choice()
-        found = part.unit(text)
-        address = _door_address(found)
+        unit = part.unit(text)
+        address = _door_address(unit)
     except Exception as error:
         return _fallback(part, error)
-    return doors.door(address, kinds, parse(found.result))
+    return doors.door(address, kinds, parse(unit.result))
 
 
 def _fallback(part: Part, error: Exception) -> Callable[..., Any]:
@@ -202,12 +202,12 @@ def _compiled(part: Part, text: str) -> Unit:
     return Unit(part, text, result, symbol)
 
 
-def _door_address(found: Unit) -> int:
+def _door_address(unit: Unit) -> int:
     """Return the address of a unit's door for Python."""
     from . import machine
 
-    symbol = f"{found.symbol}_door"
-    key = digest("door", found.symbol, found.result, environment())
+    symbol = f"{unit.symbol}_door"
+    key = digest("door", unit.symbol, unit.result, environment())
     kept = _read(key)
     if kept is not None:
         machine.add(kept[1])
@@ -215,8 +215,8 @@ def _door_address(found: Unit) -> int:
     import_numba()
     from . import building
 
-    code = building.compiled_door(found.arguments, found.result, found.symbol, symbol)
-    _write(key, {"name": f"{found.part.name} from Python"}, code)
+    code = building.compiled_door(unit.arguments, unit.result, unit.symbol, symbol)
+    _write(key, {"name": f"{unit.part.name} from Python"}, code)
     machine.add(code)
     return machine.address(symbol)
 

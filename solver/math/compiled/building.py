@@ -423,9 +423,9 @@ def compiled_door(text: str, result: str, symbol: str, door: str) -> bytes:
             flat += flattened(context, builder, kind, value)
             at += 2 if isinstance(kind, types.Complex) else 1
         unit = ir.Function(module, unit_type(context, kinds, back), symbol)
-        found = builder.call(unit, flat)
+        result_value = builder.call(unit, flat)
         if back is not types.none:
-            _put_words(context, builder, back, found, function.args[1], 0)
+            _put_words(context, builder, back, result_value, function.args[1], 0)
         builder.ret_void()
         code, _ = machine.emitted([str(module)], door)
     return code

@@ -109,10 +109,10 @@ def leaves(kind: Any) -> list[str]:
 def class_named(name: str) -> Any:
     """Return the class of a text module:Class."""
     module, _, qualified = name.partition(":")
-    found: Any = import_module(module)
+    item: Any = import_module(module)
     for part in qualified.split("."):
-        found = getattr(found, part)
-    return found
+        item = getattr(item, part)
+    return item
 
 
 Class = TypeVar("Class", bound=type)
@@ -154,13 +154,13 @@ def table_of(value: Any) -> Table:
 
     Raises TypeError : a field that compiled code cannot be given
     """
-    found = value.__dict__.get("_table")
-    if found is None:
+    table = value.__dict__.get("_table")
+    if table is None:
         words: list[int] = []
         text = _describe(value, words)
         array = np.array(words, dtype=np.uint64).view(np.int64)
-        found = value.__dict__["_table"] = Table(text, array, array.ctypes.data)
-    return found  # type: ignore[no-any-return]
+        table = value.__dict__["_table"] = Table(text, array, array.ctypes.data)
+    return table  # type: ignore[no-any-return]
 
 
 @cache
@@ -256,17 +256,17 @@ def text(kinds: tuple[Any, ...]) -> str | None:
 
     None if compiled code cannot be given them.
     """
-    found = []
+    texts = []
     for kind in kinds:
         if isinstance(kind, tuple):
             dtype, ndim, flags = kind
             if not (flags & _ALIGNED and dtype.isnative and dtype.kind in "fcib"):
                 return None
             layout, mutable = "C" if flags & 1 else "A", bool(flags & _WRITABLE)
-            found.append(text_of_array(dtype.str[1:], ndim, layout, mutable=mutable))
+            texts.append(text_of_array(dtype.str[1:], ndim, layout, mutable=mutable))
         else:
-            found.append(kind if isinstance(kind, str) else repr(_NUMBERS[kind]))
-    return text_of_tuple(found)
+            texts.append(kind if isinstance(kind, str) else repr(_NUMBERS[kind]))
+    return text_of_tuple(texts)
 
 
 def door(address: int, kinds: tuple[Any, ...], result: Any) -> Callable[..., Any]:

@@ -63,13 +63,13 @@ def largest(a: Any, b: Any, c: Any) -> Any:
 
 def power(base: Any, exponent: Any) -> Any:
     """Return a number raised to an integer; inf for a negative power of zero."""
-    n, square, found = exponent if exponent > 0 else -exponent, base, 1.0
+    n, square, product = exponent if exponent > 0 else -exponent, base, 1.0
     while n != 0:
         if n & 1:
-            found *= square
+            product *= square
         n >>= 1
         square *= square
-    return found if exponent >= 0 else 1.0 / found
+    return product if exponent >= 0 else 1.0 / product
 
 
 def _parts(context: Any, builder: Any, sig: Any, arguments: Any) -> list[Any]:
@@ -242,9 +242,9 @@ class Modules(CodeLibrary):  # type: ignore[misc]
 
     def all_texts(self) -> list[str]:
         """Return the modules of this function and of all that becomes part of it."""
-        found: dict[int, list[str]] = {}
-        self._collect(found)
-        return [text for texts in found.values() for text in texts]
+        texts_of: dict[int, list[str]] = {}
+        self._collect(texts_of)
+        return [text for texts in texts_of.values() for text in texts]
 
     def all_needed(self) -> dict[str, Unit]:
         """Return the units that this function and its parts call."""
@@ -254,15 +254,15 @@ class Modules(CodeLibrary):  # type: ignore[misc]
                 needed |= library.all_needed()
         return needed
 
-    def _collect(self, found: dict[int, list[str]]) -> None:
-        if id(self) in found:
+    def _collect(self, texts_of: dict[int, list[str]]) -> None:
+        if id(self) in texts_of:
             return
-        found[id(self)] = self.texts
+        texts_of[id(self)] = self.texts
         for library in self.linked.values():
             if isinstance(library, Modules):
-                library._collect(found)
+                library._collect(texts_of)
             else:
-                found[id(library)] = [library.get_llvm_str()]
+                texts_of[id(library)] = [library.get_llvm_str()]
 
     def finalize(self) -> None:
         """Do nothing: machine.py does."""

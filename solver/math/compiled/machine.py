@@ -70,7 +70,7 @@ def undefined(code: bytes) -> list[str]:
     (start,) = struct.unpack_from("<Q", code, 0x28)
     size, count = struct.unpack_from("<HH", code, 0x3A)
     sections = [struct.unpack_from("<IIQQQQIIQQ", code, start + size * k) for k in range(count)]
-    found = []
+    symbols = []
     for _, kind, _, _, begin, length, link, _, _, entry in sections:
         if kind != _SYMBOLS:
             continue
@@ -78,8 +78,8 @@ def undefined(code: bytes) -> list[str]:
         for at in range(begin + entry, begin + length, entry):
             name, _, _, section, _, _ = struct.unpack_from("<IBBHQQ", code, at)
             if section == 0:
-                found.append(code[names + name : code.index(b"\0", names + name)].decode())
-    return found
+                symbols.append(code[names + name : code.index(b"\0", names + name)].decode())
+    return symbols
 
 
 def available(symbol: str) -> bool:

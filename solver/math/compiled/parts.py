@@ -35,9 +35,9 @@ def numba_version() -> str:
     """
     spec = find_spec("numba")
     for package in (spec.submodule_search_locations or []) if spec else []:
-        found = list(Path(package).parent.glob("numba-*.dist-info"))
-        if len(found) == 1:
-            return found[0].name.removeprefix("numba-").removesuffix(".dist-info")
+        folders = list(Path(package).parent.glob("numba-*.dist-info"))
+        if len(folders) == 1:
+            return folders[0].name.removeprefix("numba-").removesuffix(".dist-info")
     import importlib.metadata
 
     return importlib.metadata.version("numba")
@@ -74,13 +74,13 @@ def content_of(function: Any) -> str:
     counts in full.
     """
     code, known = function.__code__, function.__globals__
-    found = [_code(code, function.__doc__), repr(function.__defaults__)]
+    texts = [_code(code, function.__doc__), repr(function.__defaults__)]
     for name in sorted(_names(code)):
         if name in known:
-            found.append(f"{name}={_value(known[name], code)}")
+            texts.append(f"{name}={_value(known[name], code)}")
     for name, cell in zip(code.co_freevars, function.__closure__ or (), strict=True):
-        found.append(f"{name}={_value(cell.cell_contents, code)}")
-    return digest(*found)
+        texts.append(f"{name}={_value(cell.cell_contents, code)}")
+    return digest(*texts)
 
 
 def _names(code: CodeType) -> set[str]:
@@ -243,10 +243,10 @@ class Part:
 
     def unit(self, text: str) -> Unit:
         """Return the unit for argument types, compiled or from the cache, and loaded."""
-        found = self._units.get(text)
-        if found is None:
-            found = self._units[text] = self._service.unit(self, text)
-        return found
+        known_unit = self._units.get(text)
+        if known_unit is None:
+            known_unit = self._units[text] = self._service.unit(self, text)
+        return known_unit
 
 
 def part_named(name: str) -> Part | None:

@@ -89,8 +89,8 @@ def parsed(text: str, scope: Scope) -> Node:
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
         where = getattr(error, "offset", None)
         at = f" at character {where}" if where else ""
-        words = getattr(error, "msg", None) or str(error)
-        raise ExpressionError(f"expected an expression, found {words}{at}") from error
+        message = getattr(error, "msg", None) or str(error)
+        raise ExpressionError(f"expected an expression, found {message}{at}") from error
     return _Reader(text.strip(), scope).node(tree.body, 0)
 
 
@@ -106,12 +106,12 @@ class _Reader:
                 f"expected {MOST_DEPTH} levels at most (brackets, or operations in a row; brackets "
                 "around parts of a long sum save levels)"
             )
-        found = self._node(tree, level)
-        if found.size > MOST_OPERATIONS:
+        result = self._node(tree, level)
+        if result.size > MOST_OPERATIONS:
             raise self.error(
-                tree, f"has {found.size:.4g} operations; expected {MOST_OPERATIONS} at most"
+                tree, f"has {result.size:.4g} operations; expected {MOST_OPERATIONS} at most"
             )
-        return found
+        return result
 
     def _node(self, tree: ast.expr, level: int) -> Node:
         def inner(part: ast.expr) -> Node:
@@ -132,9 +132,9 @@ class _Reader:
         if isinstance(tree, ast.UnaryOp):
             return self.unary(tree, inner(tree.operand))
         if isinstance(tree, ast.BinOp) and type(tree.op) in _OPERATORS:
-            found = Node(_OPERATORS[type(tree.op)], (inner(tree.left), inner(tree.right)))
+            node = Node(_OPERATORS[type(tree.op)], (inner(tree.left), inner(tree.right)))
             try:
-                return _folded(found)
+                return _folded(node)
             except ArithmeticError as error:
                 raise self.error(tree, "is not finite") from error
         if isinstance(tree, ast.Compare):
@@ -163,13 +163,13 @@ class _Reader:
     def comparison(self, tree: ast.Compare, level: int) -> Node:
         """Return 1 where all comparisons hold, else 0."""
         sides = [self.node(part, level + 1) for part in (tree.left, *tree.comparators)]
-        found = []
+        comparisons = []
         for operator, one, two in zip(tree.ops, sides, sides[1:], strict=False):
             if type(operator) not in _COMPARISONS:
                 raise self.error(tree, "compares by ==, != or another sign; expected < <= > >=")
             code, swapped = _COMPARISONS[type(operator)]
-            found.append(Node(code, (two, one) if swapped else (one, two)))
-        return _joined(op.AND, found)
+            comparisons.append(Node(code, (two, one) if swapped else (one, two)))
+        return _joined(op.AND, comparisons)
 
     def call(self, tree: ast.Call, name: str, level: int) -> Node:
         """Return a function of its arguments."""
@@ -199,12 +199,12 @@ class _Reader:
                 raise self.error(tree.args[0], str(error)) from error
         return _made(name, arguments)
 
-    def error(self, tree: ast.AST, words: str) -> ExpressionError:
+    def error(self, tree: ast.AST, message: str) -> ExpressionError:
         """Return the error of a part of the text."""
         part = ast.get_source_segment(self.text, tree) or self.text
         if len(part) > MOST_SHOWN:
             part = f"{part[:MOST_SHOWN]}..."
-        return ExpressionError(f"`{part}` {words}")
+        return ExpressionError(f"`{part}` {message}")
 
     def unknown(self, word: str, known: Collection[str], what: str) -> ExpressionError:
         """Return the error of a word."""

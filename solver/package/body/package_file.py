@@ -134,9 +134,9 @@ def _stresses(package: ModalPackage, error: Reporter) -> None:
         check_materials(faces, "face_stresses/", error)
 
 
-def _provenance(found: Any, error: Reporter) -> None:
+def _provenance(table: Any, error: Reporter) -> None:
     """Report entries of `provenance` that are not of the documented form."""
-    warnings, seconds = found.get("warnings", []), found.get("seconds", {})
+    warnings, seconds = table.get("warnings", []), table.get("seconds", {})
     if not isinstance(warnings, list) or not all(map(_is_warning, warnings)):
         error("provenance", "warnings: expected a list of tables with the texts code and message")
     numbers = seconds.values() if isinstance(seconds, dict) else [None]

@@ -185,13 +185,13 @@ def _stiffness(package: ModalPackage) -> Iterator[Remark]:
 def _frequencies(package: ModalPackage) -> Iterator[Remark]:
     if np.any(package.frequencies < 0):
         yield _finding("error", "modes/frequencies", "expected frequencies >= 0")
-    found = np.sqrt(np.maximum(np.diag(package.stiffness), 0) / np.diag(package.mass))
+    omega = np.sqrt(np.maximum(np.diag(package.stiffness), 0) / np.diag(package.mass))
     for i, kind in enumerate(package.mode_kinds):
         known = package.frequencies[i]
-        if kind == "fixed_normal" and abs(found[i] - known) > CONSISTENCY * max(found[i], known):
+        if kind == "fixed_normal" and abs(omega[i] - known) > CONSISTENCY * max(omega[i], known):
             text = (
                 f"mode {i + 1}: {known:.9g} rad/s is given, "
-                f"stiffness over mass gives {found[i]:.9g} rad/s"
+                f"stiffness over mass gives {omega[i]:.9g} rad/s"
             )
             yield _finding("warning", "modes/frequencies", text)
 
@@ -304,12 +304,12 @@ def _beam_energy(package: ModalPackage) -> Iterator[Remark]:
     classical beam neglects, are a considerable part of their energy. Rigid motions are excluded
     too: their energy is round-off.
     """
-    found = package.recovery
-    if found is None or not package.n_mode:
+    recovery = package.recovery
+    if recovery is None or not package.n_mode:
         return
-    S = np.array([np.linalg.inv(section.K) for section in package.sections])[found.section]
-    density = (found.resultants_E * (S @ found.resultants_E)).sum(axis=1)
-    lengths = np.diff(found.station_x)[:, None]
+    S = np.array([np.linalg.inv(section.K) for section in package.sections])[recovery.section]
+    density = (recovery.resultants_E * (S @ recovery.resultants_E)).sum(axis=1)
+    lengths = np.diff(recovery.station_x)[:, None]
     energy = np.sum(0.5 * lengths * (density[:-1] + density[1:]), axis=0)
     stiffness = np.diag(package.stiffness)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -351,32 +351,34 @@ def _turn(angle_deg: float) -> Array:
     )
 
 
-def _cells(package: ModalPackage, found: CellResultants) -> Iterator[Remark]:
+def _cells(package: ModalPackage, resultants: CellResultants) -> Iterator[Remark]:
     where = "/modal_package/cell_resultants"
     offsets = package.offsets
-    if not np.isin(np.diff(offsets)[found.cell], (3, 4)).all():
+    if not np.isin(np.diff(offsets)[resultants.cell], (3, 4)).all():
         text = "some of these cells are neither triangles nor quadrilaterals"
         yield Remark("warning", f"{where}/cell", text)
         return
-    cells = cell_table(package.connectivity, offsets, found.cell)
+    cells = cell_table(package.connectivity, offsets, resultants.cell)
     vector = area_vectors(package.nodes_B, cells)
     area = np.linalg.norm(vector, axis=1)
-    e3 = found.A_BE[:, :, 2]
+    e3 = resultants.A_BE[:, :, 2]
     off = np.linalg.norm(np.cross(vector, e3), axis=1) > NORMAL * area
     if off.any():
         text = f"row {int(np.argmax(off))}: e3 is not normal to the cell"
         yield Remark("warning", f"{where}/A_BE", text)
-    yield from _cell_energy(package, found, area)
+    yield from _cell_energy(package, resultants, area)
 
 
-def _cell_energy(package: ModalPackage, found: CellResultants, area: Array) -> Iterator[Remark]:
+def _cell_energy(
+    package: ModalPackage, resultants: CellResultants, area: Array
+) -> Iterator[Remark]:
     """The mean resultants of the cells cannot have more energy than the mode."""
     energy = np.zeros(package.n_mode)
     for row, laminate in enumerate(package.laminates):
-        own = found.laminate == row
+        own = resultants.laminate == row
         S = np.zeros((8, 8))
         S[:6, :6], S[6:, 6:] = np.linalg.inv(laminate.ABD), np.linalg.inv(laminate.Ds)
-        R = found.resultants_E[own]
+        R = resultants.resultants_E[own]
         energy += np.einsum("cim,cim->m", R, area[own][:, None, None] * (S @ R))
     stiffness = np.diag(package.stiffness)
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -64,14 +64,14 @@ def changed_basis(
         path: change(shapes[path], value) if isinstance(value, np.ndarray) else value
         for path, value in all_values(package).items()
     }
-    found, known = rebuilt(package, values), package.mode_labels or package.mode_kinds
+    changed, known = rebuilt(package, values), package.mode_labels or package.mode_kinds
     return replace(
-        found,
+        changed,
         mode_kinds=kinds or tuple(package.mode_kinds[i] for i in largest),
         mode_labels=labels or tuple(known[i] for i in largest),
         design=_design(package, largest if some else None, change),
-        frequencies=np.sqrt(np.maximum(np.diag(found.stiffness), 0.0) / np.diag(found.mass)),
-        damping=found.damping if damping is None else damping,
+        frequencies=np.sqrt(np.maximum(np.diag(changed.stiffness), 0.0) / np.diag(changed.mass)),
+        damping=changed.damping if damping is None else damping,
     )
 
 
@@ -113,8 +113,8 @@ INERTIA_LABELS = tuple(f"inertia {direction}" for direction in DIRECTIONS)
 def vibrations(package: ModalPackage) -> IntArray:
     """Rows of the vibration modes, in the order of the package."""
     static = ("attachment", "constraint", "residual")
-    found = [i for i, kind in enumerate(package.mode_kinds) if kind not in static]
-    return np.array(found, dtype=np.int64)
+    indices = [i for i, kind in enumerate(package.mode_kinds) if kind not in static]
+    return np.array(indices, dtype=np.int64)
 
 
 def inertia_loads(package: ModalPackage) -> Array:
@@ -178,20 +178,25 @@ def with_statics(
     labels = [known[i] for i in kept]
     kinds = [package.mode_kinds[i] for i in kept]
     shapes = np.asarray(np.linalg.solve(K, loads)) if loads.size else np.zeros_like(loads)
-    found, named = _independent(K, unit, shapes)
-    if found.shape[1]:
-        found = found - unit @ np.linalg.solve(unit.T @ M @ unit, unit.T @ M @ found)
+    shapes_added, named = _independent(K, unit, shapes)
+    if shapes_added.shape[1]:
+        shapes_added = shapes_added - unit @ np.linalg.solve(
+            unit.T @ M @ unit, unit.T @ M @ shapes_added
+        )
         # Their stiffness is 1: natural modes follow from the mass alone.
-        energy = np.sqrt((found * (K @ found)).sum(axis=0))
-        inverse, V = np.linalg.eigh((found / energy).T @ M @ (found / energy))
-        found, values = (found / energy @ V / np.sqrt(inverse))[:, ::-1], 1.0 / inverse[::-1]
+        energy = np.sqrt((shapes_added * (K @ shapes_added)).sum(axis=0))
+        inverse, V = np.linalg.eigh((shapes_added / energy).T @ M @ (shapes_added / energy))
+        shapes_added, values = (
+            (shapes_added / energy @ V / np.sqrt(inverse))[:, ::-1],
+            1.0 / inverse[::-1],
+        )
         labels += [str(load_labels[i]) if load_labels else f"static {i + 1}" for i in named]
         kinds += ["attachment"] * len(named)
-    T = np.hstack([unit, found])
+    T = np.hstack([unit, shapes_added])
     damping = T.T @ package.damping @ T
     if damping_ratio is None:
         damping_ratio = common_damping_ratio(package)
-    if damping_ratio is not None and found.shape[1]:
+    if damping_ratio is not None and shapes_added.shape[1]:
         n = len(kept)
         damping[n:], damping[:, n:] = 0.0, 0.0
         damping[n:, n:] = np.diag(2.0 * damping_ratio * np.sqrt(values))

@@ -48,8 +48,8 @@ def refuse_foreign_parts(path: Path, file: h5py.File, error: type[Exception]) ->
             where = f"{path}: {group.name.rstrip('/')}/{_text(name)}"
             if not isinstance(link, h5py.HardLink):
                 kind = {h5py.ExternalLink: "a link to another file", h5py.SoftLink: "a soft link"}
-                found = kind.get(type(link), "a link of another kind")
-                raise error(f"{where}: expected data in the file itself, found {found}")
+                kind_of_link = kind.get(type(link), "a link of another kind")
+                raise error(f"{where}: expected data in the file itself, found {kind_of_link}")
             item = group.get(name)
             if isinstance(item, h5py.Dataset):
                 _dataset(where, item, error)
@@ -128,10 +128,10 @@ def has_fingerprint(file: Path, expected: str) -> bool:
     """Return whether a file has this fingerprint, and all bytes as they were written."""
     try:
         with open_file(file, PackageError) as content:
-            found = json.loads(get_text(content, "provenance", "{}")).get("fingerprint")
+            recorded = json.loads(get_text(content, "provenance", "{}")).get("fingerprint")
     except (PackageError, ValueError, AttributeError):
         return False
-    return bool(found == expected) and has_right_seal(file)
+    return bool(recorded == expected) and has_right_seal(file)
 
 
 def _kind_of_bytes(head: bytes) -> str:
@@ -301,16 +301,16 @@ def content_sha256(
 
 def _attributes(item: h5py.HLObject) -> dict[bytes, np.ndarray]:
     """Return attributes by name; those of `item.attrs` take twice as long."""
-    found = {}
+    attributes = {}
     for k in range(h5py.h5a.get_num_attrs(item.id)):
         one = h5py.h5a.open(item.id, index=k)
         name, kind = _name_bytes(one.name), one.get_space().get_simple_extent_type()
         if one.dtype.kind in "Sfiu" and kind != h5py.h5s.NULL:
-            found[name] = np.empty(one.shape, one.dtype)
-            one.read(found[name])
+            attributes[name] = np.empty(one.shape, one.dtype)
+            one.read(attributes[name])
         else:  # such as texts of any length, of other programs
-            found[name] = np.asarray(item.attrs[name])
-    return found
+            attributes[name] = np.asarray(item.attrs[name])
+    return attributes
 
 
 def _collect(group: h5py.Group, path: str, members: dict[str, h5py.HLObject], depth: int) -> None:

@@ -126,14 +126,14 @@ _TYPES = {Array: "float64", float: "float64", IntArray: "int64", int: "int64"}
 
 @cache
 def _fields(kind: Any) -> tuple[_Field, ...]:
-    found = []
+    fields = []
     for name, hint in get_type_hints(kind, include_extras=True).items():
         if get_origin(hint) is Annotated:
             base, mark = get_args(hint)
             optional = NoneType in get_args(base)
             base = get_args(base)[0] if optional else base
-            found.append(_Field(name, base, mark, optional))
-    return tuple(found)
+            fields.append(_Field(name, base, mark, optional))
+    return tuple(fields)
 
 
 def _kind(item: Any) -> Any:
@@ -154,24 +154,24 @@ def layout(kind: Any, at: str = "", packed: bool = False) -> tuple[Data, ...]:
     at : path of its group, with a slash at the end
     packed : whether its datasets are compressed
     """
-    found: list[Data] = []
+    datasets: list[Data] = []
     for field in _fields(kind):
         mark = field.mark
         if isinstance(mark, Data):
             table = dict in (get_origin(field.base), *map(get_origin, get_args(field.base)))
             kind_ = mark.type or _TYPES.get(field.base, "json" if table else "text")
             path, optional = at + (mark.path or field.name), mark.optional or field.optional
-            found.append(replace(mark, path=path, type=kind_, optional=optional, packed=packed))
+            datasets.append(replace(mark, path=path, type=kind_, optional=optional, packed=packed))
         elif isinstance(mark, Attribute):
-            found.append(Data(path=at + field.name, type="attribute", optional=True))
+            datasets.append(Data(path=at + field.name, type="attribute", optional=True))
         elif isinstance(mark, Nested):
             specs = layout(mark.via or field.base, _below(at, mark.path), packed or mark.packed)
             group = specs[0].place if field.optional else ""
-            found += [replace(s, within=s.within or group) for s in specs]
+            datasets += [replace(s, within=s.within or group) for s in specs]
         elif isinstance(mark, Rows):
             rows = layout(field.item, _below(at, mark.path), packed)
-            found += [replace(s, shape=", ".join((mark.size, *s.axes))) for s in rows]
-    return tuple(found)
+            datasets += [replace(s, shape=", ".join((mark.size, *s.axes))) for s in rows]
+    return tuple(datasets)
 
 
 @cache
@@ -184,34 +184,34 @@ def named(kind: Any) -> dict[str, tuple[Any, bool]]:
 @cache
 def _sized_by(kind: Any) -> dict[str, str]:
     """Return the path of the dataset that defines each symbol."""
-    found: dict[str, str] = {}
+    sizes: dict[str, str] = {}
     for spec in layout(kind):
         if spec.axes and spec.axes[0].isidentifier():
-            found.setdefault(spec.axes[0], spec.path)
-    return found
+            sizes.setdefault(spec.axes[0], spec.path)
+    return sizes
 
 
 def field_values(item: Any, at: str = "") -> dict[str, Any]:
     """Return the values of a dataclass by path, without those of named members."""
-    found: dict[str, Any] = {}
+    values: dict[str, Any] = {}
     for field in _fields(_kind(item)):
         value, mark = getattr(item, field.name), field.mark
         if value is None:
             continue
         if isinstance(mark, Data):  # first: there are many
             if not mark.optional or len(value):
-                found[at + (mark.path or field.name)] = value
+                values[at + (mark.path or field.name)] = value
         elif isinstance(mark, Nested):
             stored = value if mark.via is None else mark.via.of(value)
-            found |= field_values(stored, _below(at, mark.path))
+            values |= field_values(stored, _below(at, mark.path))
         elif isinstance(mark, Rows):
             columns = [(f.name, f.mark.path or f.name) for f in _fields(field.item)]
             for name, path in columns:
                 column = [getattr(row, name) for row in value]
-                found[f"{_below(at, mark.path)}{path}"] = column
+                values[f"{_below(at, mark.path)}{path}"] = column
         elif isinstance(mark, Attribute):
-            found[at + field.name] = value
-    return found
+            values[at + field.name] = value
+    return values
 
 
 def members(item: Any) -> Iterator[tuple[str, int, Any]]:
@@ -225,10 +225,10 @@ def members(item: Any) -> Iterator[tuple[str, int, Any]]:
 
 def all_values(item: Any) -> dict[str, Any]:
     """Return the values of a dataclass and of its named members by path."""
-    found: dict[str, Any] = {}
+    values: dict[str, Any] = {}
     for parent, _, one in members(item):
-        found |= field_values(one, f"{parent}/{one.name}/" if parent else "")
-    return found
+        values |= field_values(one, f"{parent}/{one.name}/" if parent else "")
+    return values
 
 
 def build(
@@ -260,8 +260,8 @@ def build(
         elif isinstance(mark, Nested):
             below, stored = _below(at, mark.path), mark.via or base
             there = not field.optional or layout(stored, below)[0].path in data
-            found = build(stored, data, below) if there else None
-            given[field.name] = found.value() if found is not None and mark.via else found
+            value = build(stored, data, below) if there else None
+            given[field.name] = value.value() if value is not None and mark.via else value
         elif isinstance(mark, Rows):
             columns = [(f.base, f.mark.path or f.name) for f in _fields(field.item)]
             of_fields = (map(b, data[f"{_below(at, mark.path)}{path}"]) for b, path in columns)
@@ -282,8 +282,8 @@ def rebuilt(item: Object, values: Mapping[str, Any]) -> Object:
                 given[field.name] = tuple(one(row, f"{below}/{row.name}/") for row in rows)
         return build(_kind(old), values, at, **given)
 
-    found: Object = one(item, "")
-    return found
+    result: Object = one(item, "")
+    return result
 
 
 def shapes_by_path(item: Any) -> dict[str, str]:
@@ -335,20 +335,20 @@ def encoded(where: str, item: Any) -> list[Encoded]:
     `where` names file and group for PackageError: a wrong type or shape, a name that HDF5 does not
     take or that occurs twice, a table that JSON cannot hold.
     """
-    found: dict[str, Encoded] = {}
+    by_path: dict[str, Encoded] = {}
     sizes: dict[str, int] = {}  # of the object, then of one member
     for parent, index, one in members(item):
         at = f"{parent}/{one.name}/" if parent else ""
         if parent:
-            _check_name(f"{where}/{parent}", one.name, at in found)
+            _check_name(f"{where}/{parent}", one.name, at in by_path)
         own = field_values(one)
         known = sizes | {s: len(own[p]) for s, p in _sized_by(_kind(one)).items() if p in own}
         sizes = sizes or known
         packed = named(_kind(item))[parent][1] if parent else False
         specs = [spec for spec in layout(_kind(one), "", packed) if spec.path in own]
         arrays = [(s, _encoded(f"{where}/{at}{s.path}", s, own[s.path], known)) for s in specs]
-        found[at] = at, index, arrays
-    return list(found.values())
+        by_path[at] = at, index, arrays
+    return list(by_path.values())
 
 
 def _check_name(where: str, name: str, twice: bool) -> None:
@@ -409,14 +409,14 @@ def read_fields(group: h5py.Group, kind: Callable[..., Object], **given: Any) ->
             given[field.name] = tuple(
                 read_fields(g, field.item, name=g.name.rsplit("/", 1)[1]) for g in items
             )
-    found: dict[str, Any] = {}
+    values: dict[str, Any] = {}
     for spec in layout(kind):
         if spec.type == "attribute":
             if text := get_text(group[f"./{spec.place}"], spec.name):
-                found[spec.path] = text
+                values[spec.path] = text
         elif spec.path in group:
-            found[spec.path] = _read_dataset(group[spec.path], spec)
-    return build(kind, found, **given)
+            values[spec.path] = _read_dataset(group[spec.path], spec)
+    return build(kind, values, **given)
 
 
 def layout_findings(group: h5py.Group, kind: type, owner: Sizes | None = None) -> list[Remark]:
@@ -446,8 +446,8 @@ def layout_findings(group: h5py.Group, kind: type, owner: Sizes | None = None) -
 
 
 def _missing_or_mistyped(group: h5py.Group, specs: Iterable[Data]) -> list[Remark]:
-    found: list[str] = []
-    group.visit(found.append)
+    paths: list[str] = []
+    group.visit(paths.append)
     findings = []
     for spec in specs:
         item = group.get(spec.path)
@@ -455,7 +455,7 @@ def _missing_or_mistyped(group: h5py.Group, specs: Iterable[Data]) -> list[Remar
             continue
         where = f"{group.name}/{spec.path}"
         if not isinstance(item, h5py.Dataset):
-            hint = did_you_mean(spec.path, found)
+            hint = did_you_mean(spec.path, paths)
             text = f"missing; expected {spec.stored} {spec.words}{hint}"
             findings.append(Remark("error", where, text))
         elif is_text(item) != (spec.stored == "text"):

@@ -81,13 +81,13 @@ def difference(at: Sequence[Any], step: float) -> Any:
 
 def differenced(at: Sequence[Mapping[Any, Any]], step: float) -> dict[Any, Array]:
     """Derivatives of arrays by path, from those at the places times a step; zeros are left out."""
-    found = {}
+    rates = {}
     for path, first in at[0].items():
         if np.asarray(first).dtype.kind == "f":
             rate = np.asarray(difference([np.asarray(values[path]) for values in at], step))
             if rate.any():
-                found[path] = rate
-    return found
+                rates[path] = rate
+    return rates
 
 
 def independent(
@@ -114,14 +114,14 @@ def independent(
     U, s, V = np.linalg.svd(rows / norms, full_matrices=False)
     r, scale = int((s > same * s[0]).sum()), norms.max()
     ends = np.cumsum([each.size for each in zeros.values()])[:-1]
-    found = [
+    ways = [
         {
             n: scale * sizes[n] * part.reshape(zeros[n].shape)
             for n, part in zip(sizes, parts, strict=True)
         }
         for parts in (np.split(row, ends) for row in V[:r])
     ]
-    return found, (U[:, :r] * s[:r] * norms / scale).T
+    return ways, (U[:, :r] * s[:r] * norms / scale).T
 
 
 def write_design(group: h5py.Group, design: Sequence[Derivative], where: str) -> None:
@@ -149,12 +149,12 @@ def write_design(group: h5py.Group, design: Sequence[Derivative], where: str) ->
 
 def read_design(group: h5py.Group) -> tuple[Derivative, ...]:
     """Return the derivatives of a group that `design_findings` has checked."""
-    found = []
+    derivatives = []
     for name, own in sorted(_groups(group).items(), key=lambda pair: _index(pair[1])):
         values = {path: np.asarray(d[()], dtype=np.float64) for path, d in _datasets(own).items()}
         kind, targets = get_text(own, "kind", "number"), _targets(own)
-        found.append(Derivative(name, kind, tuple(targets or ()), values))
-    return tuple(found)
+        derivatives.append(Derivative(name, kind, tuple(targets or ()), values))
+    return tuple(derivatives)
 
 
 def design_findings(group: h5py.Group) -> list[Remark]:
@@ -180,14 +180,14 @@ def _faults(
     """What is wrong with a derivative, at most one fault; `known` members of the group by path."""
     if path not in known:
         known[path] = group.get(path)
-    base, found = known[path], list[str]()
+    base, errors = known[path], list[str]()
     if not isinstance(base, h5py.Dataset) or base.dtype.kind != "f":
         return [f"expected the path of a dataset of numbers below {group.name}"]
     if rate.dtype.kind not in "fiu" or rate.shape != base.shape:
         wanted = f"expected numbers of the shape of {base.name}, {base.shape}"
         return [f"{wanted}, found {rate.dtype} {rate.shape}"]
-    finite(path, values, lambda _, message: found.append(message))
-    return found
+    finite(path, values, lambda _, message: errors.append(message))
+    return errors
 
 
 def changed(
@@ -215,11 +215,11 @@ def _groups(group: h5py.Group) -> dict[str, h5py.Group]:
 def _targets(group: h5py.Group) -> list[dict[str, object]] | None:
     """Return the targets of a parameter; None if they are of another form."""
     try:
-        found = json.loads(get_text(group, "targets", "[]"))
+        targets = json.loads(get_text(group, "targets", "[]"))
     except json.JSONDecodeError:
         return None
-    tables = isinstance(found, list) and all(isinstance(one, dict) for one in found)
-    return found if tables else None
+    tables = isinstance(targets, list) and all(isinstance(one, dict) for one in targets)
+    return targets if tables else None
 
 
 def _index(group: h5py.Group) -> int:
@@ -227,11 +227,11 @@ def _index(group: h5py.Group) -> int:
 
 
 def _datasets(group: h5py.Group) -> dict[str, h5py.Dataset]:
-    found: dict[str, h5py.Dataset] = {}
+    datasets: dict[str, h5py.Dataset] = {}
 
     def visit(path: str, item: h5py.HLObject) -> None:
         if isinstance(item, h5py.Dataset):
-            found[path] = item
+            datasets[path] = item
 
     group.visititems(visit)
-    return found
+    return datasets

@@ -52,8 +52,8 @@ class DiskFile(io.FileIO):
     def readinto(self, buffer: "bytearray | memoryview") -> int:  # type: ignore[override]
         """Read what was written, on the disk or not."""
         place, view = self.tell(), memoryview(buffer).cast("B")
-        found = super().readinto(view)
-        view[found:] = bytes(len(view) - found)
+        count = super().readinto(view)
+        view[count:] = bytes(len(view) - count)
         for start, block in self._kept:
             first, last = max(start, place), min(start + len(block), place + len(view))
             if first < last:
@@ -108,12 +108,12 @@ class DiskFile(io.FileIO):
         if self._error is None:
             return
         code = self._error.errno or errno.EIO
-        words = f"{os.strerror(code)}; the file needs {self._end + LENGTH} bytes"
+        message = f"{os.strerror(code)}; the file needs {self._end + LENGTH} bytes"
         with contextlib.suppress(OSError, AttributeError):
             import shutil  # not for a command that writes well
 
-            words += f", {shutil.disk_usage(self.path.parent).free} are free"
-        raise OSError(code, words, str(self.path)) from self._error
+            message += f", {shutil.disk_usage(self.path.parent).free} are free"
+        raise OSError(code, message, str(self.path)) from self._error
 
 
 def has_right_seal(path: Path) -> bool:
@@ -143,8 +143,8 @@ def sealed_bytes(file: BinaryIO) -> bool:
     if size < LENGTH:
         return True
     file.seek(size - LENGTH)
-    found = file.read()
-    if not found.startswith(SEAL):
+    content = file.read()
+    if not content.startswith(SEAL):
         return not _is_cut(file, size)
     digest, left = hashlib.sha256(), size - LENGTH
     file.seek(0)
@@ -152,7 +152,7 @@ def sealed_bytes(file: BinaryIO) -> bool:
         block = file.read(min(BLOCK, left))
         digest.update(block)
         left -= len(block)
-    return found == SEAL + digest.hexdigest().encode() + b"\n"
+    return content == SEAL + digest.hexdigest().encode() + b"\n"
 
 
 def _is_cut(file: BinaryIO, size: int) -> bool:
@@ -322,6 +322,6 @@ def _clean(folder: Path) -> None:
     _cleaned.add(folder)
     with contextlib.suppress(OSError):
         for file in folder.iterdir():
-            found = _OURS.fullmatch(file.name)
-            if found and has_ended(int(found[1])):
+            match = _OURS.fullmatch(file.name)
+            if match and has_ended(int(match[1])):
                 file.unlink(missing_ok=True)

@@ -414,9 +414,9 @@ def read_strength(table: Mapping[str, Any], kind: str, where: str) -> PlyStrengt
     return PlyStrength(**{**defaults, **values})
 
 
-def _strength(found: Any, key: str, where: str) -> float:
+def _strength(entry: Any, key: str, where: str) -> float:
     share = key == "F12_star"
-    value = finite_number(found, f"{where}.{key}", "-" if share else "Pa")
+    value = finite_number(entry, f"{where}.{key}", "-" if share else "Pa")
     if share and not -0.5 <= value < 1.0:
         raise MaterialError(
             f"{where}.{key} = {value:g}: expected -0.5 <= F12_star < 1: outside, the failure "

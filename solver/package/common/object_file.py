@@ -99,10 +99,10 @@ def check_file_checksum(path: Path, file: h5py.File, error: type[Exception]) -> 
         return
     actual = content_sha256(file, without=CHECKSUM)
     if actual != stored:
-        found = f"{stored[:12]}..." if stored else "none"
+        stored_text = f"{stored[:12]}..." if stored else "none"
         raise error(
             f"{path}: {CHECKSUM}: content was altered after writing, or is incomplete: "
-            f"expected {actual[:12]}..., found {found}"
+            f"expected {actual[:12]}..., found {stored_text}"
         )
 
 
@@ -123,9 +123,9 @@ def identity_notes(path: Path, file: h5py.File, known: FileFormat) -> list[Remar
     file : open HDF5 file
     known : format that is expected
     """
-    found = get_text(file, "format")
-    if found != known.format:
-        what = f"{found!r}" if found else kind_of_file(file)
+    form = get_text(file, "format")
+    if form != known.format:
+        what = f"{form!r}" if form else kind_of_file(file)
         raise PackageError(f"{path}: attribute format: expected {known.format!r}, this is {what}")
     major, minor = version_of(path, file, PackageError)
     if major != known.version[0]:
@@ -239,7 +239,7 @@ def recall(key: str | None, kind: str) -> Any:
     return _value_of(json.loads(head), data)
 
 
-def keep(key: str | None, kind: str, found: Any) -> None:
+def keep(key: str | None, kind: str, item: Any) -> None:
     """Keep the object of a file that has no findings.
 
     Parameters
@@ -252,7 +252,7 @@ def keep(key: str | None, kind: str, found: Any) -> None:
         return
     arrays: list[bytes] = []
     try:
-        head = json.dumps(_json_of(found, arrays)).encode()
+        head = json.dumps(_json_of(item, arrays)).encode()
     except TypeError:  # it has a part of another kind
         return
     content = b"".join([head, b"\n", *arrays])
@@ -298,8 +298,8 @@ def _value_of(value: Any, data: bytes) -> Any:
         if kind == "dict":
             return {read(name): read(part) for name, part in parts}
         if kind in ("tuple", "list"):
-            found = [read(part) for part in parts]
-            return tuple(found) if kind == "tuple" else found
+            values = [read(part) for part in parts]
+            return tuple(values) if kind == "tuple" else values
         module, name = kind.removeprefix(_PACKAGE).split(":")
         known: Any = getattr(importlib.import_module(_PACKAGE + module), name)
         if not dataclasses.is_dataclass(known):
@@ -419,13 +419,13 @@ def read_object(
         raise_first(path, known.layout_findings(file, whole=False))
         raise_first(path, checksum_findings(file, known) + unit_findings(file))
         raise_first(path, known.view_findings(file))
-        found = known.load(file, known.kind)
-    raise_first(path, known.content(found))
-    doubtful = [f for f in known.doubts(found) if f.level == "error"]
+        item = known.load(file, known.kind)
+    raise_first(path, known.content(item))
+    doubtful = [f for f in known.doubts(item) if f.level == "error"]
     if on_doubt is None:
         raise_first(path, doubtful)
     elif doubtful:
-        on_doubt(found, doubtful)
+        on_doubt(item, doubtful)
     if not notes and not doubtful:  # they are shown at each reading
-        keep(key, known.group, found)
-    return found
+        keep(key, known.group, item)
+    return item

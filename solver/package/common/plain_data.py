@@ -245,10 +245,10 @@ def json_text(where: str, value: Any) -> str:
 def json_table(where: str, text: str) -> dict[str, object]:
     """Return the table of a JSON text. Raises PackageError."""
     try:
-        found = json.loads(text)
+        table = json.loads(text)
     except json.JSONDecodeError as cause:
         raise PackageError(f"{where}: not JSON: {cause}") from cause
-    return found if isinstance(found, dict) else {where.rsplit(" ", 1)[-1]: found}
+    return table if isinstance(table, dict) else {where.rsplit(" ", 1)[-1]: table}
 
 
 def _plain(value: object) -> object:

@@ -37,14 +37,16 @@ class OfMaterials(Protocol):
 
 def strengths(recovery: OfMaterials) -> dict[str, PlyStrength | YieldStrength]:
     """Strengths of the materials that have any, by name. Raises MaterialError."""
-    found = {}
+    strengths_by_name = {}
     for name, material in recovery.materials.items():
         if not isinstance(material, Mapping):
             raise MaterialError(f"{name}: expected a table of constants, got {material!r}")
         table = material.get("strength")
         if table is not None:
-            found[name] = read_strength(table, str(material.get("kind")), f"{name}.strength")
-    return found
+            strengths_by_name[name] = read_strength(
+                table, str(material.get("kind")), f"{name}.strength"
+            )
+    return strengths_by_name
 
 
 class OfPlies(OfMaterials, Protocol):
@@ -236,8 +238,8 @@ def reentrant_corners(mesh: SectionMeshData) -> tuple[IntArray, Array]:
         np.add.at(around, table[:, :n], angle)
         reach = np.linalg.norm(after - corners, axis=-1).max(axis=1)
         np.maximum.at(size, table[:, :n], reach[:, None])
-    found = np.flatnonzero((around > np.radians(ANGLE_DEG)) & (around < np.radians(WHOLE_DEG)))
-    return found, size[found]
+    reentrant = np.flatnonzero((around > np.radians(ANGLE_DEG)) & (around < np.radians(WHOLE_DEG)))
+    return reentrant, size[reentrant]
 
 
 def near_corner(mesh: SectionMeshData, points: Array, distance: float) -> NDArray[np.bool_]:

@@ -26,20 +26,20 @@ def shell_content_findings(shell: ShellFile) -> list[Remark]:
     def error(dataset: str, message: str) -> None:
         bad.append(Remark("error", f"/shell/{dataset}", message))
 
-    found = field_values(shell)
-    for path, value in found.items():
+    values = field_values(shell)
+    for path, value in values.items():
         finite(path, value, error)
     if bad:
         return bad  # the other checks would report the same error
     mesh = shell.mesh
-    mesh_cells(found["mesh/offsets"], found["mesh/connectivity"], len(mesh.nodes_G), error)
+    mesh_cells(values["mesh/offsets"], values["mesh/connectivity"], len(mesh.nodes_G), error)
     rows_of("mesh/region", mesh.region, len(mesh.regions), error)
     rows_of("mesh/laminate", mesh.laminate, len(shell.laminates), error)
     rotations("mesh/A_GE", mesh.A_GE, error)
     for path, names in (
         ("mesh/regions", mesh.regions),
         ("mesh/node_ids", mesh.node_ids.tolist()),
-        ("laminates/names", found["laminates/names"]),
+        ("laminates/names", values["laminates/names"]),
         ("cases/names", shell.cases.names),
     ):
         if len(set(names)) != len(names):

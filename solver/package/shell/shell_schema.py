@@ -156,12 +156,12 @@ class LaminateRows:
     def value(self) -> tuple[ShellLaminate, ...]:
         """Return the laminates."""
         columns = zip(self.names, self.ABD, self.Ds, self.mass, self.report, strict=True)
-        found = []
+        laminates = []
         for row, (name, ABD, Ds, mass, report) in enumerate(columns):
             own = np.flatnonzero(self.owner == row)
             plies = tuple(self.plies[k] for k in own)
-            found.append(ShellLaminate(name, plies, ABD, Ds, mass, self.stress_M[own], report))
-        return tuple(found)
+            laminates.append(ShellLaminate(name, plies, ABD, Ds, mass, self.stress_M[own], report))
+        return tuple(laminates)
 
 
 @dataclass(frozen=True)

@@ -33,23 +33,23 @@ def design_sections(case_dir: Path) -> list[str]:
     ]
 
 
-def write_page(folder: Path, found: dict[str, object]) -> Path:
+def write_page(folder: Path, study: dict[str, object]) -> Path:
     """Write the page of a study into its folder; return its path."""
-    title = f"{found['case']}: {found['title']}"
-    body = f"<header><h1>{escape(title)}</h1></header><main>{study_section(found)}</main>"
+    title = f"{study['case']}: {study['title']}"
+    body = f"<header><h1>{escape(title)}</h1></header><main>{study_section(study)}</main>"
     write_text(folder / PAGE, document(title, body))
     return folder / PAGE
 
 
-def study_section(found: dict[str, Any]) -> str:
+def study_section(study: dict[str, Any]) -> str:
     """Return the section of a study, from the content of design.json."""
-    best, shown = found["optimum"], found["optimum"]["shown"]
-    verified = found.get("verified", {}).get("shown")
+    best, shown = study["optimum"], study["optimum"]["shown"]
+    verified = study.get("verified", {}).get("shown")
     rows: list[Row] = []
-    for k, measure in enumerate(found["measures"]):
+    for k, measure in enumerate(study["measures"]):
         unit = f" [{measure['unit']}]" if measure["unit"] else ""
-        words = f"{found['sense']} {measure['words']}" if k == 0 else measure["words"]
-        before = found["start"]["shown"]
+        title = f"{study['sense']} {measure['words']}" if k == 0 else measure["words"]
+        before = study["start"]["shown"]
         limits = [("&gt;=", measure["least"], 1.0), ("&lt;=", measure["most"], -1.0)]
         texts = [
             f"{words_of} {value:g}{_state(sign * (shown[k] - value), value)}"
@@ -58,7 +58,7 @@ def study_section(found: dict[str, Any]) -> str:
         ]
         rows.append(
             [
-                escape(words + unit),
+                escape(title + unit),
                 number(before[k] if before else None, 5),
                 number(shown[k], 5),
                 number(verified[k] if verified else None, 5),
@@ -74,23 +74,23 @@ def study_section(found: dict[str, Any]) -> str:
             escape(", ".join(q["targets"])),
         ]
         for (name, value), p, q in zip(
-            best["values"].items(), found["start"]["p"], found["parameters"].values(), strict=True
+            best["values"].items(), study["start"]["p"], study["parameters"].values(), strict=True
         )
     ]
     doubt = ""
-    if found.get("verified", {}).get("why"):
-        doubt = f"<p class='note'>Not verified: {escape(found['verified']['why'])}</p>"
+    if study.get("verified", {}).get("why"):
+        doubt = f"<p class='note'>Not verified: {escape(study['verified']['why'])}</p>"
     return section(
-        f"study-{escape(found['study'])}",
-        f"Design: {escape(found['title'])}",
+        f"study-{escape(study['study'])}",
+        f"Design: {escape(study['title'])}",
         table("Quantities of the study", head, rows),
         doubt,
         table("Parameters", ["parameter", "start", "best", "keys"], own),
-        _stacks(found["layups"]),
-        _arrows(found),
-        _history(found),
-        _front(found),
-        f"<p class='note'>Derivatives: {escape(found['gradient'])}.</p>",
+        _stacks(study["layups"]),
+        _arrows(study),
+        _history(study),
+        _front(study),
+        f"<p class='note'>Derivatives: {escape(study['gradient'])}.</p>",
     )
 
 
@@ -100,10 +100,10 @@ def _state(inside: float, limit: float) -> str:
     return " (not met)" if inside < -near else " (active)" if inside <= near else ""
 
 
-def _text(x: float, y: float, words: str, anchor: str = "start", colour: str = INK) -> str:
+def _text(x: float, y: float, text: str, anchor: str = "start", colour: str = INK) -> str:
     return (
         f"<text x='{x:.1f}' y='{y:.1f}' font-size='12' fill='{colour}' "
-        f"text-anchor='{anchor}'>{escape(words)}</text>"
+        f"text-anchor='{anchor}'>{escape(text)}</text>"
     )
 
 
@@ -117,7 +117,7 @@ def _picture(width: float, height: float, name: str, parts: Sequence[str]) -> st
 
 def _stacks(layups: Sequence[dict[str, Any]]) -> str:
     """Return pictures of lay-ups: plies in the order of the description, before and after."""
-    found = []
+    stacks = []
     for layup in layups:
         plies = len(layup["after"]["angles_deg"][:MOST])
         parts = [_text(10, 16, layup["name"])]
@@ -128,10 +128,10 @@ def _stacks(layups: Sequence[dict[str, Any]]) -> str:
             for k, angle in enumerate(layup[which]["angles_deg"][:MOST]):
                 thickness = f", {1e3 * layup[which]['thicknesses'][k]:.3g} mm" if thicker else ""
                 parts.append(_ply(x, 40 + k * PLY, float(angle), thickness))
-        found.append(
+        stacks.append(
             _picture(2 * (STACK + ROOM) + 10, 50 + plies * PLY, f"Lay-up of {layup['name']}", parts)
         )
-    return f"<h3>Lay-ups</h3>{''.join(found)}" if found else ""
+    return f"<h3>Lay-ups</h3>{''.join(stacks)}" if stacks else ""
 
 
 def _ply(x: float, y: float, angle: float, thickness: str) -> str:
@@ -152,14 +152,14 @@ def _ply(x: float, y: float, angle: float, thickness: str) -> str:
     )
 
 
-def _arrows(found: dict[str, Any]) -> str:
+def _arrows(study: dict[str, Any]) -> str:
     """Return arrows: what a parameter does for the objective, over its range; right: more of it."""
     parts, y = list[str](), 20.0
-    sign = -1.0 if found["sense"] == "minimise" else 1.0
-    names = list(found["parameters"])
-    spans = [q["range"][1] - q["range"][0] for q in found["parameters"].values()]
+    sign = -1.0 if study["sense"] == "minimise" else 1.0
+    names = list(study["parameters"])
+    spans = [q["range"][1] - q["range"][0] for q in study["parameters"].values()]
     for which in ("start", "optimum"):
-        slopes = found["sensitivities"][which]
+        slopes = study["sensitivities"][which]
         if not slopes:
             continue
         effects = [sign * d * span for d, span in zip(slopes[0], spans, strict=True)]
@@ -181,17 +181,17 @@ def _arrows(found: dict[str, Any]) -> str:
         y += 8.0
     if not parts:
         return ""
-    words = (
+    note = (
         "<p class='note'>Arrows: change of the objective for the better, to the right if the "
         "parameter grows; their length is the derivative times the range of the parameter. The "
         "number is the derivative of the objective.</p>"
     )
-    return f"<h3>What helps most</h3>{words}{_picture(520, y, 'What helps most', parts)}"
+    return f"<h3>What helps most</h3>{note}{_picture(520, y, 'What helps most', parts)}"
 
 
-def _history(found: dict[str, Any]) -> str:
+def _history(study: dict[str, Any]) -> str:
     """Return the objective over the iterations of all starts."""
-    lines = [[p["shown"][0] for p in start["history"]] for start in found["starts"]]
+    lines = [[p["shown"][0] for p in start["history"]] for start in study["starts"]]
     values = [v for line in lines for v in line]
     if len(values) < 2:
         return ""
@@ -212,12 +212,12 @@ def _history(found: dict[str, Any]) -> str:
     return f"<h3>History of all starts</h3>{_picture(WIDE, HIGH + 36, 'History', parts)}"
 
 
-def _front(found: dict[str, Any]) -> str:
+def _front(study: dict[str, Any]) -> str:
     """Return the designs of which none is better in both numbers of a study with `front`."""
-    points = [(point["shown"][-1], point["shown"][0]) for point in found.get("front", [])]
+    points = [(point["shown"][-1], point["shown"][0]) for point in study.get("front", [])]
     if len(points) < 2:
         return ""
-    names = [f"{m['words']} [{m['unit']}]" for m in found["measures"]]
+    names = [f"{m['words']} [{m['unit']}]" for m in study["measures"]]
     (left, low), (right, high) = (tuple(map(f, zip(*points, strict=True))) for f in (min, max))
     width, height = (right - left) or 1.0, (high - low) or 1.0
     parts = [
@@ -229,6 +229,6 @@ def _front(found: dict[str, Any]) -> str:
     for x, y in points:
         a, b = 70 + (WIDE - 80) * (x - left) / width, 20 + (HIGH - 20) * (high - y) / height
         parts.append(f"<circle cx='{a:.1f}' cy='{b:.1f}' r='3' fill='{COLOURS[0]}'/>")
-    words = "<p class='note'>Designs within all limits of which none is better in both numbers.</p>"
+    note = "<p class='note'>Designs within all limits of which none is better in both numbers.</p>"
     picture = _picture(WIDE, HIGH + 36, "Pareto front", parts)
-    return f"<h3>Pareto front</h3>{words}{picture}"
+    return f"<h3>Pareto front</h3>{note}{picture}"

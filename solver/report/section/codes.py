@@ -473,10 +473,10 @@ def write_for(
             raise InputError(f"--stations: expected with --to {' or '.join(OF_BLADES)} only")
         return [line for file in files for line in _mesh(code, file)]
     if stations is None or len(stations) != len(files):
-        found = 0 if stations is None else len(stations)
+        given = 0 if stations is None else len(stations)
         raise InputError(
             f"--to {code}: expected --stations with a position for each of the {len(files)} "
-            f"sections, found {found}"
+            f"sections, found {given}"
         )
     results = [read_results(file) for file in files]
     matrices = [r.K for r in results], [r.M for r in results]

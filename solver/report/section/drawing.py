@@ -301,16 +301,16 @@ def ply_colours(section: SectionFile) -> tuple[list[PlyColour], list[int]]:
         (ply.material, None if is_isotropic(section, row) else ply.angle_deg)
         for row, ply in enumerate(plies)
     ]
-    found: dict[tuple[str, float | None], PlyColour] = {}
+    colours: dict[tuple[str, float | None], PlyColour] = {}
     for index, material in enumerate(dict.fromkeys(ply.material for ply in plies)):
         hue = np.array(to_rgb(COLOURS[index % (len(COLOURS) - 1)]))  # the last one is black
         angles = sorted({a for m, a in keys if m == material}, key=lambda a: (abs(a or 0), a or 0))
         shades = [ALONE] if len(angles) == 1 else np.linspace(DARKEST, LIGHTEST, len(angles))
         for angle, white in zip(angles, shades, strict=True):
             red, green, blue = (hue + (1.0 - hue) * white).tolist()
-            found[material, angle] = PlyColour(material, angle, (red, green, blue))
-    order = list(found)
-    return list(found.values()), [order.index(key) for key in keys]
+            colours[material, angle] = PlyColour(material, angle, (red, green, blue))
+    order = list(colours)
+    return list(colours.values()), [order.index(key) for key in keys]
 
 
 class _FibreHandler(HandlerBase):

@@ -87,12 +87,15 @@ def ply_peaks(
 
 def weakest(peaks: Sequence[PlyPeak]) -> dict[str, PlyPeak]:
     """The ply with the least margin by each criterion, of the plies that it judges."""
-    found: dict[str, PlyPeak] = {}
+    peaks_by_name: dict[str, PlyPeak] = {}
     for peak in peaks:
         for name, reserve in peak.reserves.items():
-            if name not in found or reserve.ratio < found[name].reserves[name].ratio:
-                found[name] = peak
-    return found
+            if (
+                name not in peaks_by_name
+                or reserve.ratio < peaks_by_name[name].reserves[name].ratio
+            ):
+                peaks_by_name[name] = peak
+    return peaks_by_name
 
 
 def judged_peaks(
@@ -119,18 +122,18 @@ def corner_warnings(mesh: SectionMeshData, peaks: list[PlyPeak]) -> list[dict[st
     nodes, sizes = reentrant_corners(mesh)
     if not len(nodes):
         return []
-    found = []
+    corners = []
     for name, peak in weakest(peaks).items():
         reserve = peak.reserves[name]
         away = np.linalg.norm(mesh.nodes[nodes] - reserve.point, axis=1)
         nearest = int(np.argmin(away))
         if away[nearest] < sizes[nearest]:
-            found.append((reserve.ratio, away[nearest], nodes[nearest], name))
-    if not found:
+            corners.append((reserve.ratio, away[nearest], nodes[nearest], name))
+    if not corners:
         return []
-    _, away_least, node, _ = min(found)
+    _, away_least, node, _ = min(corners)
     x2, x3 = mesh.nodes[node]
-    names = [name for *_, name in found]
+    names = [name for *_, name in corners]
     least = (
         f"the least margins by {', '.join(names)} lie"
         if names[1:]
@@ -273,16 +276,16 @@ OF_DERIVATIVES = ("shear_centre", "tension_centre", "mass_centre")
 
 def _derivatives(results: SectionResults, code: str) -> dict[str, object]:
     """Derivatives of K, M and the centres by each parameter."""
-    found: dict[str, object] = {}
+    table: dict[str, object] = {}
     for one in results.design:
         zero = np.zeros((6, 6))
-        found[one.name] = {
+        table[one.name] = {
             "kind": one.kind,
             "K": convert(one.values.get("K", zero), code).tolist(),
             "M": convert(one.values.get("M", zero), code, "mass").tolist(),
             **{n: one.values.get(n, np.zeros(2)).tolist() for n in OF_DERIVATIVES},
         }
-    return found
+    return table
 
 
 def _derivative_text(results: SectionResults, code: str) -> list[str]:

@@ -64,7 +64,7 @@ def ply_extremes(
     cells : (c,) number of each cell, at least one
     strengths : of those materials that have some
     """
-    found, levels = [], operators.shape[1]
+    extremes, levels = [], operators.shape[1]
     for ply, (material, angle) in enumerate(zip(materials, angles_deg, strict=True)):
         stress = np.einsum("lij,cj->cli", operators[ply], resultants, optimize=True)
         flat = stress.reshape(-1, 6)
@@ -84,7 +84,7 @@ def ply_extremes(
                         LEVELS[worst % levels],
                     )
                 )
-        found.append(
+        extremes.append(
             PlyExtreme(
                 ply,
                 material,
@@ -94,7 +94,7 @@ def ply_extremes(
                 tuple(reserves),
             )
         )
-    return found
+    return extremes
 
 
 # Summary of a shell file: extremes of its load cases, balance of forces, plies.
@@ -138,7 +138,7 @@ class CaseFindings:
 def case_findings(shell: ShellFile) -> list[CaseFindings]:
     """Summarise every load case. Raises MaterialError for strengths that cannot be used."""
     known = strengths(shell)
-    found = []
+    findings_of_cases = []
     for row, name in enumerate(shell.cases.names):
         motion = shell.cases.displacements_G[row]
         size = np.linalg.norm(motion[:, :3], axis=1)
@@ -148,7 +148,7 @@ def case_findings(shell: ShellFile) -> list[CaseFindings]:
         each = shell.cases.reactions_G[row]
         force, moment = each[:, :3], each[:, 3:] + np.cross(shell.supports.points_G, each[:, :3])
         reactions = np.concatenate([force.sum(axis=0), moment.sum(axis=0)])
-        found.append(
+        findings_of_cases.append(
             CaseFindings(
                 name,
                 float(size[node]),
@@ -160,7 +160,7 @@ def case_findings(shell: ShellFile) -> list[CaseFindings]:
                 [_plies(shell, row, number, known) for number in _used(shell)],
             )
         )
-    return found
+    return findings_of_cases
 
 
 def imbalance(shell: ShellFile, case: int, load: Array, reactions: Array) -> float:
@@ -189,29 +189,29 @@ def imbalance(shell: ShellFile, case: int, load: Array, reactions: Array) -> flo
 def stacking(laminate: ShellLaminate) -> str:
     """The angles of a laminate in the usual short form, [0/45/-45/90]s."""
     plies = laminate.plies
-    words = [f"{ply.angle_deg:g}" for ply in plies]
+    texts = [f"{ply.angle_deg:g}" for ply in plies]
     same = [
         (ply.material, ply.angle_deg, round((ply.top - ply.bottom) / laminate.thickness, 9))
         for ply in plies
     ]
-    return short_stacking(words, mirrored=same == same[::-1])
+    return short_stacking(texts, mirrored=same == same[::-1])
 
 
-def short_stacking(words: list[str], *, mirrored: bool) -> str:
+def short_stacking(texts: list[str], *, mirrored: bool) -> str:
     """The angles of plies in the usual short form."""
-    n = len(words)
+    n = len(texts)
     if n > 1 and n % 2 == 0 and mirrored:
-        return f"[{_repeated(words[: n // 2])}s"
-    return f"[{_repeated(words)}"
+        return f"[{_repeated(texts[: n // 2])}s"
+    return f"[{_repeated(texts)}"
 
 
-def _repeated(words: list[str]) -> str:
+def _repeated(texts: list[str]) -> str:
     """Angles with slashes, the closing bracket and the number of repetitions."""
-    n = len(words)
+    n = len(texts)
     for period in range(1, n // 2 + 1):
-        if n % period == 0 and words == words[:period] * (n // period):
-            return f"{'/'.join(words[:period])}]{n // period}"
-    return f"{'/'.join(words)}]"
+        if n % period == 0 and texts == texts[:period] * (n // period):
+            return f"{'/'.join(texts[:period])}]{n // period}"
+    return f"{'/'.join(texts)}]"
 
 
 def _used(shell: ShellFile) -> list[int]:
@@ -277,8 +277,8 @@ def shell_json(shell: ShellFile) -> dict[str, object]:
         "warnings": list(shell.warnings),
     }
     for key in ("verification", "bound"):
-        if (found := shell.provenance.get(key)) is not None:
-            table[key] = found
+        if (value := shell.provenance.get(key)) is not None:
+            table[key] = value
     if modes is not None:
         table["frequencies_hz"] = modes.frequencies_hz[modes.n_zero :].tolist()
         table["zero_modes"] = modes.n_zero

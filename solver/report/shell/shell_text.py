@@ -31,8 +31,8 @@ def normal_lines(mesh: ShellMeshData) -> list[str]:
     for row, name in enumerate(mesh.regions[:SHOWN]):
         some = mesh.region == row
         if some.any():
-            words = _direction(places[some], e3[some], mesh.area[some])
-            lines.append(f"{'Normal e3':16}{name}: {words}")
+            text = _direction(places[some], e3[some], mesh.area[some])
+            lines.append(f"{'Normal e3':16}{name}: {text}")
     more = len(mesh.regions) - SHOWN
     return [*lines, f"{'':16}and {more} more"] if more > 0 else lines
 
@@ -68,8 +68,8 @@ def shell_text(shell: ShellFile) -> str:
     for case in case_findings(shell):
         lines += ["", *_case(shell, case)]
     lines += ["", *_modes(shell), *_buckling(shell), *_bound(shell)]
-    words = shell.provenance.get("verification")
-    lines += [*([f"{'Second method':16}{words}"] if words else []), *_effort(shell)]
+    text = shell.provenance.get("verification")
+    lines += [*([f"{'Second method':16}{text}"] if text else []), *_effort(shell)]
     return "\n".join([*lines, *warning_lines(shell.warnings)])
 
 
@@ -100,11 +100,11 @@ def _short(text: str, width: int = 60) -> str:
 def _character(report: dict[str, object]) -> list[str]:
     lines = []
     if "symmetric" in report and "balanced" in report:
-        words = [
+        parts = [
             "symmetric" if report["symmetric"] else "not symmetric",
             "balanced" if report["balanced"] else "not balanced",
         ]
-        lines.append(f"{'Lay-up':16}{', '.join(words)}")
+        lines.append(f"{'Lay-up':16}{', '.join(parts)}")
     for key, label in (("membrane", "Stretching"), ("bending", "Bending")):
         of = report.get(key)
         if isinstance(of, dict):
@@ -231,41 +231,41 @@ def _mesh_error(values: Array, error: Array, name: str, unit: str = "") -> list[
 
 
 def _buckling(shell: ShellFile) -> list[str]:
-    found, lines = shell.buckling, []
-    if found is None:
+    buckling, lines = shell.buckling, []
+    if buckling is None:
         return []
     for row, name in enumerate(shell.cases.names):
-        factors = found.factors[found.case == row]
-        back = f"; load reversed {found.reversed[row]:.6g}" if found.reversed[row] else ""
+        factors = buckling.factors[buckling.case == row]
+        back = f"; load reversed {buckling.reversed[row]:.6g}" if buckling.reversed[row] else ""
         if len(factors) or back:
             listed = ", ".join(f"{factor:.6g}" for factor in factors) or "none"
             lines.append(f"{'Load factors':16}{name}: {listed}{back}")
-            if found.error is not None and len(factors):
-                lines += _mesh_error(factors, found.error[found.case == row], "factors")
-        elif row not in found.case:
+            if buckling.error is not None and len(factors):
+                lines += _mesh_error(factors, buckling.error[buckling.case == row], "factors")
+        elif row not in buckling.case:
             lines.append(f"{'Load factors':16}{name}: none, no buckling under this load")
-    if found.error is None and len(found.factors):
+    if buckling.error is None and len(buckling.factors):
         lines.append(f"{'Mesh error':16}not estimated")
     return lines
 
 
 def _bound(shell: ShellFile) -> list[str]:
-    found = shell.provenance.get("bound")
-    if found is None:
+    bound = shell.provenance.get("bound")
+    if bound is None:
         return []
-    side, from_it = ("least", "above") if found["of"] == "compliance" else ("most", "below")
-    case = f" under {found['case']}" if found["case"] else ""
-    kind = "symmetric lay-up" if found["symmetric"] else "lay-up"
-    angles = [f"{angle:g}" for angle in found["found_angles_deg"]]
+    side, from_it = ("least", "above") if bound["of"] == "compliance" else ("most", "below")
+    case = f" under {bound['case']}" if bound["case"] else ""
+    kind = "symmetric lay-up" if bound["symmetric"] else "lay-up"
+    angles = [f"{angle:g}" for angle in bound["found_angles_deg"]]
     other = short_stacking(angles, mirrored=angles == angles[::-1])
     limit, own, best = (
-        f"{found[key]:.5g} {found['unit']}".strip() for key in ("bound", "value", "found")
+        f"{bound[key]:.5g} {bound['unit']}".strip() for key in ("bound", "value", "found")
     )
     own_gap, gap, rigid = (
-        f"{100.0 * found[key]:.2g} %" for key in ("gap", "found_gap", "found_gap_without_shear")
+        f"{100.0 * bound[key]:.2g} %" for key in ("gap", "found_gap", "found_gap_without_shear")
     )
     return [
-        f"{'Bound':16}{found['of']}{case}: at {side} {limit} for any {kind} of these plies",
+        f"{'Bound':16}{bound['of']}{case}: at {side} {limit} for any {kind} of these plies",
         f"{'':16}this one {own}, at most {own_gap} {from_it} any there is",
         f"{'':16}best found {best}, at most {gap} {from_it} (without transverse shear {rigid}): "
         f"{_short(other, 40)}",
@@ -273,9 +273,9 @@ def _bound(shell: ShellFile) -> list[str]:
 
 
 def _effort(shell: ShellFile) -> list[str]:
-    words = []
+    parts = []
     if (dofs := shell.provenance.get("dofs")) is not None:
-        words.append(f"{dofs} unknowns")
+        parts.append(f"{dofs} unknowns")
     if (seconds := shell.provenance.get("seconds")) is not None:
-        words.append(f"{seconds:.2f} s")
-    return [f"{'Effort':16}{', '.join(words)}"] if words else []
+        parts.append(f"{seconds:.2f} s")
+    return [f"{'Effort':16}{', '.join(parts)}"] if parts else []

@@ -50,8 +50,8 @@ def exposure(quadratic: Array, linear: Array) -> Array:
     under = b * b + 4.0 * a
     root = np.sqrt(np.maximum(under, 0.0))
     with np.errstate(divide="ignore", invalid="ignore"):
-        found = np.where(b >= 0.0, 0.5 * (b + root), 2.0 * a / (root - b))
-    return np.asarray(np.where((under < 0.0) | ((a <= 0.0) & (b <= 0.0)), 0.0, found))
+        factor = np.where(b >= 0.0, 0.5 * (b + root), 2.0 * a / (root - b))
+    return np.asarray(np.where((under < 0.0) | ((a <= 0.0) & (b <= 0.0)), 0.0, factor))
 
 
 def governing(modes: tuple[str, ...], exposures: list[Array], indices: list[Array]) -> Verdict:

@@ -41,11 +41,11 @@ def tsai_wu(stress_M: Array, strength: PlyStrength) -> Verdict:
     a, b = np.einsum("...i,...i->...", s, force), s @ F_i
     # With F12_star = -0.5 the surface is open in one of three directions, where a is zero.
     a = np.maximum(a, 0.0)
-    found = exposure(a, b)
+    exposures = exposure(a, b)
     # Share of each stress in a + b once the stress is scaled to failure.
     with np.errstate(divide="ignore", invalid="ignore"):
-        shares = s * force / found[..., None] + s * F_i
-    return Verdict(found, a + b, np.argmax(np.nan_to_num(shares), axis=-1), MODES)
+        shares = s * force / exposures[..., None] + s * F_i
+    return Verdict(exposures, a + b, np.argmax(np.nan_to_num(shares), axis=-1), MODES)
 
 
 CRITERION = Criterion("tsai-wu", PlyStrength, tsai_wu, order=3)

@@ -10,9 +10,9 @@ from ...report.table import aligned
 from .problem import FEASIBLE
 
 
-def outcome_lines(found: dict[str, Any], folder: Path) -> list[str]:
+def outcome_lines(study: dict[str, Any], folder: Path) -> list[str]:
     """Return the lines that the command prints: measures before and after, then parameters."""
-    starts, best = found["starts"], found["optimum"]
+    starts, best = study["starts"], study["optimum"]
     total = sum(s["computed"] for s in starts)
     agreeing = sum(
         s["best"] is not None
@@ -21,23 +21,23 @@ def outcome_lines(found: dict[str, Any], folder: Path) -> list[str]:
         for s in starts
     )
     lines = [
-        f"{found['study']}: {counted(len(starts), 'start')}, {counted(total, 'design')} computed; "
+        f"{study['study']}: {counted(len(starts), 'start')}, {counted(total, 'design')} computed; "
         f"{agreeing} of them end within 0.1 % of the best; {os.path.relpath(folder)}"
     ]
-    verified = found.get("verified", {})
+    verified = study.get("verified", {})
     head = ["", "start", "best", "verified", "limit"]
     rows = [head]
-    for k, measure in enumerate(found["measures"]):
+    for k, measure in enumerate(study["measures"]):
         unit = f" [{measure['unit']}]" if measure["unit"] else ""
-        sense = f"{found['sense']} " if k == 0 else ""
-        values = [found["start"]["shown"], best["shown"], verified.get("shown")]
+        sense = f"{study['sense']} " if k == 0 else ""
+        values = [study["start"]["shown"], best["shown"], verified.get("shown")]
         limits = ((">=", measure["least"]), ("<=", measure["most"]))
         limit = [f"{sign} {value:g}" for sign, value in limits if value is not None]
         texts = [f"{v[k]:.6g}" if v else "-" for v in values]
         rows.append([f"{sense}{measure['words']}{unit}", *texts, ", ".join(limit)])
     rows.append([""] * 5)
     for k, (name, value) in enumerate(best["values"].items()):
-        names, first = found["parameters"][name]["names"], found["start"]["p"][k]
+        names, first = study["parameters"][name]["names"], study["start"]["p"][k]
         texts = [names[round(first)], value] if names else [f"{first:.6g}", f"{value:.6g}"]
         rows.append([name, *texts, "", ""])
     lines.append(aligned(rows, left=range(5), head=1, rule=False))
@@ -48,32 +48,32 @@ def outcome_lines(found: dict[str, Any], folder: Path) -> list[str]:
         )
     if verified.get("why"):
         lines.append(f"not verified: {verified['why']}")
-    if "plan" in found:
-        words = f"the plan of the study: accuracy {found['plan']['verdict']} at the best design"
-        same = "the same" if found["plan"]["same"] else "another one"
-        lines.append(f"{words}; made anew there it is {same}")
+    if "plan" in study:
+        text = f"the plan of the study: accuracy {study['plan']['verdict']} at the best design"
+        same = "the same" if study["plan"]["same"] else "another one"
+        lines.append(f"{text}; made anew there it is {same}")
     invalid = list(dict.fromkeys(why for s in starts for why in s["invalid"]))
     if invalid:
         lines.append(f"{counted(len(invalid), 'kind')} of invalid designs, such as: {invalid[0]}")
-    lines.append(f"gradient: {found['gradient']}")
+    lines.append(f"gradient: {study['gradient']}")
     return lines
 
 
-def variant_text(found: dict[str, Any]) -> str:
+def variant_text(study: dict[str, Any]) -> str:
     """Return the best design as a variant of the case, in TOML."""
     lines = [
-        f"# The best design of study {found['study']}: a variant for the case, to be named in",
+        f"# The best design of study {study['study']}: a variant for the case, to be named in",
         "# `variants` of a run. Keys of lists are comments: write those into the list itself.",
     ]
     tables: dict[str, list[str]] = {}
-    for key, value in found["optimum"]["keys"].items():
+    for key, value in study["optimum"]["keys"].items():
         *way, last = split_key(key)
         listed = last.isdecimal() or any(part.isdecimal() for part in way)
         text = f'"{last}" = {value!r}' if "." in last else f"{last} = {value!r}"
         if listed:
             tables.setdefault("", []).append(f"# {key} = {value!r}")
         else:
-            tables.setdefault(".".join(("variants", found["study"], *way)), []).append(text)
+            tables.setdefault(".".join(("variants", study["study"], *way)), []).append(text)
     for table, entries in sorted(tables.items()):
         lines += ["", *([f"[{table}]"] if table else []), *entries]
     return "\n".join(lines) + "\n"

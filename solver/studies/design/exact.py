@@ -77,7 +77,7 @@ def with_targets(
     InputError
         A parameter that changes more than numbers: another mesh, another count of elements.
     """
-    found = dict(specs[0])
+    specs_by_body = dict(specs[0])
     for body, spec in specs[0].items():
         design = {}
         for k, name in enumerate(names):
@@ -89,8 +89,10 @@ def with_targets(
             content: Any = {**spec.content, "design": design}
             if not strains and content["kind"] == "beam":
                 content["design_strains"] = False
-            found[body] = replace(spec, content=content, inputs_sha256=inputs_sha256(content))
-    return found
+            specs_by_body[body] = replace(
+                spec, content=content, inputs_sha256=inputs_sha256(content)
+            )
+    return specs_by_body
 
 
 def _targets(where: str, minus: Any, plus: Any, h: float) -> Iterator[dict[str, object]]:
@@ -178,9 +180,9 @@ def made_beside(
     for run, motion in motions.items():
         if run == own:
             continue
-        for found, (each, recording) in zip(histories, motion.beside(k), strict=True):
+        for history, (each, recording) in zip(histories, motion.beside(k), strict=True):
             read = sensors_beside(motion.prepared, each, recording, traced[run].signals)
-            found[run] = recording.t, {n: s.values(recording) for n, s in read.items()}
+            history[run] = recording.t, {n: s.values(recording) for n, s in read.items()}
     one, motion = traced[own], motions[own]
     for spec, (each, recording), known in zip(pair, motion.beside(k), histories, strict=True):
         read = sensors_beside(motion.prepared, each, recording, one.signals, known)
@@ -294,8 +296,8 @@ def by_adjoint(
         return [m.raw(Made(made.spec, finished, sensors, recording)) for m in measures]
 
     y = np.asarray(traced.finished.solution.y[:])
-    found = gradients(traced.prepared, parameters, traced.trace.steps, y, read, weights)
-    return np.split(found.T, ends[:-1])
+    slopes = gradients(traced.prepared, parameters, traced.trace.steps, y, read, weights)
+    return np.split(slopes.T, ends[:-1])
 
 
 def adjoint_slopes(
@@ -312,13 +314,13 @@ def adjoint_slopes(
         return None
     try:
         of_run = [m for m in measures if m.runs]
-        found = iter(by_adjoint(traced[made.spec.run], parameters, of_run, made))
+        slopes_of_run = iter(by_adjoint(traced[made.spec.run], parameters, of_run, made))
     except InputError:
         return None
     slopes = []
     for m in measures:
         if m.runs:
-            slopes.append(next(found).tolist())
+            slopes.append(next(slopes_of_run).tolist())
             continue
         beside = [
             [m.raw(Made(run, None, {}, None)) for run in (p.minus, p.plus)] for p in parameters

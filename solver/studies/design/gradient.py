@@ -68,21 +68,21 @@ def compute_gradient(
     rates = by_adjoint(traced, parameters, [measure], made)[0][0]
     if quantity.subject == "strength":  # the values are exposures
         rates = -rates * value**2
-    found = rates if shares is None else rates @ shares
+    slopes = rates if shares is None else rates @ shares
     result, summary = collect(spec, prepared.measured, finished, 0.0)
     summary[OBJECTIVE] = {
         "words": quantity.words(),
         "value": value,
         "unit": measure.unit,
-        "derivatives": dict(zip(keys, found.tolist(), strict=True)),
+        "derivatives": dict(zip(keys, slopes.tolist(), strict=True)),
     }
     return result, summary
 
 
 def gradient_table(summary: Summary) -> str:
     """Return the value of an objective and its derivatives, the largest first."""
-    found = summary[OBJECTIVE]
-    rows = [[name, f"{rate:.6g}"] for name, rate in found["derivatives"].items()]
+    gradient = summary[OBJECTIVE]
+    rows = [[name, f"{rate:.6g}"] for name, rate in gradient["derivatives"].items()]
     rows.sort(key=lambda row: -abs(float(row[1])))
-    head = f"{found['words']} = {found['value']:.6g} {found['unit']}"
+    head = f"{gradient['words']} = {gradient['value']:.6g} {gradient['unit']}"
     return f"{head}\n{aligned([['parameter', 'derivative'], ['', ''], *rows], left=(0, 1))}"

@@ -154,13 +154,13 @@ class Frequency(Measure):
 
             states = States(made.spec)
             w = find_modes(states, states.at(At("start"), None), ports=False, check=False).modes
-            found = np.abs(w.eigenvalues[w.frequencies > 0.0]) ** 2
+            squares = np.abs(w.eigenvalues[w.frequencies > 0.0]) ** 2
         else:
             package = made.parts(self.quantity.name)[0]
-            found = package.frequencies[vibrations(package)] ** 2
-        if not found.size:
+            squares = package.frequencies[vibrations(package)] ** 2
+        if not squares.size:
             raise InputError(f"frequency = {self.quantity.name!r}: there is no vibration mode")
-        return np.sort(found)
+        return np.sort(squares)
 
     def reduce(self, raw: Array, t: Array) -> tuple[Array, Array]:
         """Return the smooth lowest frequency (1,) and weights (1, m)."""
@@ -234,7 +234,7 @@ class Strength(Measure):
         finished, recording = made.series()
         name = self.quantity.name
         body, package = finished.built.body_names.index(name), finished.built.packages[name]
-        found = []
+        rows = []
         for region, ply in _plies(package):
             table: dict[str, Any] = {"kind": "exposure", "body": name, "region": region, "ply": ply}
             try:
@@ -243,10 +243,10 @@ class Strength(Measure):
                 )
             except InputError:  # a ply without strengths
                 continue
-            found.append(values(recording))
-        if not found:
+            rows.append(values(recording))
+        if not rows:
             raise InputError(f"strength = {name!r}: no material of the body has strengths")
-        return np.array(found)
+        return np.array(rows)
 
     def reduce(self, raw: Array, t: Array) -> tuple[Array, Array]:
         """Return the highest peaks (r,) and weights (r, plies, n_t)."""
@@ -260,14 +260,14 @@ class Strength(Measure):
 
 def _plies(package: ModalPackage) -> list[tuple[str, int]]:
     """Return region and number of the plies of a body, each once."""
-    found = [
+    plies = [
         (ply.region, ply.index)
         for section in package.sections
         if section.recovery is not None
         for ply in section.recovery.plies
     ]
-    found += [(each.name, k) for each in package.laminates for k in range(len(each.plies))]
-    return list(dict.fromkeys(found))
+    plies += [(each.name, k) for each in package.laminates for k in range(len(each.plies))]
+    return list(dict.fromkeys(plies))
 
 
 def _span(quantity: Quantity, t: Array) -> Any:
@@ -275,12 +275,12 @@ def _span(quantity: Quantity, t: Array) -> Any:
     low = -np.inf if quantity.low is None else quantity.low
     high = np.inf if quantity.high is None else quantity.high
     near = 1e-9 * float(t[-1])
-    found = np.flatnonzero((t >= low - near) & (t <= high + near))
-    if found.size < 3:
+    samples = np.flatnonzero((t >= low - near) & (t <= high + near))
+    if samples.size < 3:
         raise InputError(
             f"{quantity.words()}: from, to: expected three output times between them or more"
         )
-    return found
+    return samples
 
 
 def peaks(rows: Array, t: Array, span: Any, sign: int) -> tuple[Array, Array]:
@@ -299,7 +299,7 @@ def peaks(rows: Array, t: Array, span: Any, sign: int) -> tuple[Array, Array]:
     -------
     (MOST_PEAKS,) values, the highest first, the last one repeated; (MOST_PEAKS, s, n_t) weights
     """
-    found: list[tuple[float, int, dict[int, float]]] = []
+    candidates: list[tuple[float, int, dict[int, float]]] = []
     for k, row in enumerate(rows):
         y = sign * row[span]
         up = np.r_[True, y[1:] > y[:-1]]
@@ -308,14 +308,14 @@ def peaks(rows: Array, t: Array, span: Any, sign: int) -> tuple[Array, Array]:
             weights = {int(span[i]): 1.0}
             if 0 < i < y.size - 1:
                 weights = _parabola(t, int(span[i]), sign * row)
-            found.append((sum(w * float(row[j]) for j, w in weights.items()), k, weights))
-    found.sort(key=lambda each: -sign * each[0])
-    found = (found + [found[-1]] * MOST_PEAKS)[:MOST_PEAKS]
+            candidates.append((sum(w * float(row[j]) for j, w in weights.items()), k, weights))
+    candidates.sort(key=lambda each: -sign * each[0])
+    candidates = (candidates + [candidates[-1]] * MOST_PEAKS)[:MOST_PEAKS]
     table = np.zeros((MOST_PEAKS, *rows.shape))
-    for n, (_, k, weights) in enumerate(found):
+    for n, (_, k, weights) in enumerate(candidates):
         for j, w in weights.items():
             table[n, k, j] = w
-    return np.array([value for value, _, _ in found]), table
+    return np.array([value for value, _, _ in candidates]), table
 
 
 def _parabola(t: Array, i: int, y: Array) -> dict[int, float]:

@@ -52,10 +52,10 @@ class Memory:
         """Return what is known of a design, None for nothing."""
         return self.known.get((kind, _text(p)))
 
-    def put(self, kind: str, p: Array, found: Any) -> None:
+    def put(self, kind: str, p: Array, value: Any) -> None:
         """Keep what was computed of a design."""
-        self.known[kind, _text(p)] = found
-        line = _sealed({"kind": kind, "x": _text(p), "found": found}) + "\n"
+        self.known[kind, _text(p)] = value
+        line = _sealed({"kind": kind, "x": _text(p), "found": value}) + "\n"
         out = os.open(self.file, os.O_WRONLY | os.O_APPEND)
         try:
             os.write(out, line.encode())

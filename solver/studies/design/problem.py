@@ -67,12 +67,12 @@ class Point:
 
 def undominated(points: Iterable[Point]) -> list[Point]:
     """Return the points within all limits of which none is better in both merits, in order."""
-    found: list[Point] = []
+    best: list[Point] = []
     valid = (point for point in points if point.violation <= FEASIBLE)
     for point in sorted(valid, key=lambda each: (each.merit, each.second)):
-        if not found or point.second < found[-1].second:
-            found.append(point)
-    return found
+        if not best or point.second < best[-1].second:
+            best.append(point)
+    return best
 
 
 @dataclass
@@ -154,10 +154,10 @@ class Problem:
     def second(self, x: Array) -> float:
         """Return the merit of what `front` names; of an invalid design one that is worse."""
         p, assumed = self.space.p(self.z(x)), self.best
-        found = self.designs.values(p)
-        if found.why and assumed is not None:
+        values = self.designs.values(p)
+        if values.why and assumed is not None:
             return assumed.second + BARRIER * (abs(assumed.second) or 1.0)
-        return self.point(p, found).second
+        return self.point(p, values).second
 
     def cons(self, x: Array) -> Array:
         """Return what must not be negative (m,)."""
@@ -169,35 +169,35 @@ class Problem:
 
     def _values(self, x: Array) -> tuple[float, Array]:
         p = self.space.p(self.z(x))
-        found = self.designs.values(p)
-        if found.why:
-            if found.why not in self.invalid:
-                self.invalid.append(found.why)
+        result = self.designs.values(p)
+        if result.why:
+            if result.why not in self.invalid:
+                self.invalid.append(result.why)
             assert self._good is not None
             good = self._good[1]  # the line search comes back
             return float(good[0] + BARRIER), good[1:] - BARRIER
-        values = self._rows(x, [np.array(v) for v in found.values], None)
+        values = self._rows(x, [np.array(v) for v in result.values], None)
         self._good = x.copy(), values, self._good[2] if self._good is not None else None
-        self._note(p, found)
+        self._note(p, result)
         return float(values[0]), values[1:]
 
     def _slopes(self, x: Array) -> Array:
         """Return the gradient of the objective, then those of the constraints (1 + m, n)."""
         p = self.space.p(self.z(x))
-        found = self.designs.values(p)
-        if found.why:
+        values = self.designs.values(p)
+        if values.why:
             assert self._good is not None
             if self._good[2] is None:
                 return self._slopes(self._good[0])
             return self._good[2]
         by_z = [np.array(s) @ self.space.T for s in self.designs.slopes(p)]
-        rows = self._rows(x, [np.array(v) for v in found.values], by_z)
+        rows = self._rows(x, [np.array(v) for v in values.values], by_z)
         rows[:, : self.z0.size] *= self._half
         if self._good is None or not np.array_equal(self._good[0], x):
             self._values(x)
         assert self._good is not None
         self._good = x.copy(), self._good[1], rows
-        point = self.point(p, found)
+        point = self.point(p, values)
         if not self.history or self.history[-1].p != point.p:
             self.history.append(point)
         return rows
@@ -240,12 +240,12 @@ class Problem:
         """Return offsets and factors: offset + factor value >= 0."""
         if limit.subject == "strength":
             return [] if limit.least is None else [(1.0, -limit.least)]
-        found = []
+        bounds = []
         for value, sign in ((limit.least, 1.0), (limit.most, -1.0)):
             if value is not None:
                 size = abs(value) or self._sizes[k]
-                found.append((-sign * value / size, sign / size))
-        return found
+                bounds.append((-sign * value / size, sign / size))
+        return bounds
 
     def violation(self, p: Array, values: list[list[float]]) -> float:
         """Return the largest violation of all limits by a design, relative."""
@@ -254,17 +254,17 @@ class Problem:
         rows = rows[len(values[0]) if self._peaks else 0 :]
         return float(max(0.0, -rows.min())) if rows.size else 0.0
 
-    def point(self, p: Array, found: Values) -> Point:
+    def point(self, p: Array, values: Values) -> Point:
         """Return how good a design is."""
-        merit = float((self.sign * np.array(found.values[0])).max())
+        merit = float((self.sign * np.array(values.values[0])).max())
         other, second = self.study.front, 0.0
         if other is not None:
             large = other.subject == "frequency" or other.of == "min"
-            second = float(((-1.0 if large else 1.0) * np.array(found.values[-1])).max())
-        return Point(p.tolist(), merit, self.violation(p, found.values), found.shown, second)
+            second = float(((-1.0 if large else 1.0) * np.array(values.values[-1])).max())
+        return Point(p.tolist(), merit, self.violation(p, values.values), values.shown, second)
 
-    def _note(self, p: Array, found: Values) -> None:
-        point = self.point(p, found)
+    def _note(self, p: Array, values: Values) -> None:
+        point = self.point(p, values)
         if point.better_than(self.best):
             self.best = point
         if self.study.front is not None:

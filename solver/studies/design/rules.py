@@ -32,20 +32,20 @@ class Layup:
 
 def layups(study: CheckedStudy, p: Array) -> dict[str, Layup]:
     """Return the lay-ups of a design (p,) that differ from each other, by name."""
-    found: dict[str, Layup] = {}
+    layups_by_name: dict[str, Layup] = {}
     known = set()
     for body, spec in model_and_check(study.designs([p]).own.bodies[0])[0].items():
         for name, plies in _plies(spec.content):
             text = repr((body, plies))
             if text not in known:
                 known.add(text)
-                found[f"{body}.{name}"] = Layup(
+                layups_by_name[f"{body}.{name}"] = Layup(
                     f"{body}.{name}",
                     np.array([float(ply["angle_deg"]) for ply in plies]),
                     np.array([float(ply.get("thickness", 1.0 / len(plies))) for ply in plies]),
                     tuple(str(ply["material"]) for ply in plies),
                 )
-    return found
+    return layups_by_name
 
 
 def _plies(table: Any, name: str = "") -> Iterator[tuple[str, list[Mapping[str, Any]]]]:
@@ -166,25 +166,25 @@ def _angles(study: CheckedStudy) -> dict[str, tuple[Array, Array]]:
         columns.append(
             {n: (moved[n].angles - each.angles) / step[k] for n, each in base.items() if n in moved}
         )
-    found = {}
+    angles = {}
     for name, each in base.items():
         if all(name in column for column in columns):
             J = np.round(np.stack([column[name] for column in columns], axis=1), 12)
             if np.abs(J).max() > NEAR:
-                found[name] = J, each.angles - J @ start
-    return found
+                angles[name] = J, each.angles - J @ start
+    return angles
 
 
 def _pairs_equal(J: Array, at_zero: Array, sign: float, pairs: Any) -> list[tuple[Array, float]]:
     """Return equations of angles that are sign times those of their partners."""
-    found = []
+    conditions = []
     for i, j in pairs:
         row, off = J[i] - sign * J[j], float(sign * at_zero[j] - at_zero[i])
         if i < j and np.abs(row).max() > NEAR:
-            found.append((row, off))
+            conditions.append((row, off))
         elif i < j and abs(off) > NEAR:
             raise InputError(f"rules: plies {i} and {j} cannot follow: no parameter sets them")
-    return found
+    return conditions
 
 
 def _balanced(name: str, J: Array, at_zero: Array, *, half: bool) -> list[tuple[Array, float]]:
@@ -241,11 +241,11 @@ def _solved(equal: list[tuple[Array, float]], n: int) -> tuple[Array, Array, lis
 
 def broken(study: CheckedStudy, p: Array) -> list[str]:
     """Return which rules a discrete design breaks, in words."""
-    found = []
+    lines = []
     for rule in study.table.rules:
         if isinstance(rule, Rule):
-            found += [line for each in layups(study, p).values() for line in _breaks(rule, each)]
-    return found
+            lines += [line for each in layups(study, p).values() for line in _breaks(rule, each)]
+    return lines
 
 
 def _breaks(rule: Rule, layup: Layup) -> Iterator[str]:

@@ -33,20 +33,20 @@ class Known:
 
     def values(self, p: Array) -> Values:
         """Return the values of a design."""
-        found = self.memory.get("values", p)
-        if found is None:
-            found = asdict(self.trials.values(p))
-            self.memory.put("values", p, found)
+        stored = self.memory.get("values", p)
+        if stored is None:
+            stored = asdict(self.trials.values(p))
+            self.memory.put("values", p, stored)
             self.computed += 1
-        return Values(**found)
+        return Values(**stored)
 
     def slopes(self, p: Array) -> list[list[list[float]]]:
         """Return the slopes of a design. Raises InputError."""
-        found: list[list[list[float]]] | None = self.memory.get("slopes", p)
-        if found is None:
-            found = self.trials.slopes(p)
-            self.memory.put("slopes", p, found)
-        return found
+        stored: list[list[list[float]]] | None = self.memory.get("slopes", p)
+        if stored is None:
+            stored = self.trials.slopes(p)
+            self.memory.put("slopes", p, stored)
+        return stored
 
 
 @dataclass
@@ -76,9 +76,9 @@ def first_points(study: CheckedStudy, space: Space) -> Array:
 
     sobol = qmc.Sobol(len(space.names), rng=np.random.default_rng(study.table.seed))
     shares = sobol.random_base2(int(np.ceil(np.log2(count - 1))) if count > 2 else 0)[: count - 1]
-    found = np.r_[own, space.lower + shares * (space.upper - space.lower)]
-    found[:, named] = np.rint(found[:, named])  # there is nothing between names
-    return found
+    points = np.r_[own, space.lower + shares * (space.upper - space.lower)]
+    points[:, named] = np.rint(points[:, named])  # there is nothing between names
+    return points
 
 
 _opened: dict[tuple[Path, str], tuple[Trials, Space, Memory]] = {}
@@ -213,11 +213,11 @@ def discrete(problem: Problem, study: CheckedStudy, start: Point) -> Point:
         if key not in seen:
             p = space.p(z)
             wrong = len(broken(study, p)) + _outside(study, p)
-            found = problem.designs.values(p) if not wrong else None
-            if found is None or found.why:
+            result = problem.designs.values(p) if not wrong else None
+            if result is None or result.why:
                 seen[key] = Point(p.tolist(), np.inf, 1e3 * (wrong or 1), [])
             else:
-                seen[key] = problem.point(p, found)
+                seen[key] = problem.point(p, result)
         return seen[key]
 
     def improved(candidates: list[Array]) -> bool:
@@ -261,30 +261,30 @@ def _neighbours(
         near = set(range(len(values)))
     elif around:
         near = {i % len(values) for i in near}
-    found = []
+    neighbours = []
     for i in sorted(i for i in near if 0 <= i < len(values) and values[i] != z[k]):
-        found.append(z.copy())
-        found[-1][k] = values[i]
-    return found or [z]
+        neighbours.append(z.copy())
+        neighbours[-1][k] = values[i]
+    return neighbours or [z]
 
 
 def _exchanged(space: Space, z: Array, i: int, j: int) -> Array:
     """Return a point with two values exchanged, if both are allowed there."""
     if z[j] not in space.allowed[i] or z[i] not in space.allowed[j]:
         return z
-    found = z.copy()
-    found[[i, j]] = z[[j, i]]
-    return found
+    exchanged = z.copy()
+    exchanged[[i, j]] = z[[j, i]]
+    return exchanged
 
 
 def _outside(study: CheckedStudy, p: Array) -> int:
     """Return how many linked parameters have values that they may not have."""
-    found = 0
+    count = 0
     for parameter, value in zip(study.parameters.values(), p, strict=True):
         allowed = parameter.allowed()
         low, high = parameter.range()
         near = 1e-9 * (high - low)
         if allowed and min(abs(v - value) for v in allowed) > near:
-            found += 1
-        found += not low - near <= value <= high + near
-    return found
+            count += 1
+        count += not low - near <= value <= high + near
+    return count

@@ -97,22 +97,22 @@ def optimise(
     space = space_of(study)
     forget()
     tell_if_slow()
-    found: list[Start] = []
+    done: list[Start] = []
     count = len(first_points(study, space))
     with tqdm(total=count, desc=study.name, unit="start", disable=None if show else True) as bar:
 
         def took(start: Start) -> None:
-            found.append(start)
+            done.append(start)
             bar.update()
 
         distribute(executor(), _Starts(given, key, count, took))
-    found.sort(key=lambda start: start.number)
+    done.sort(key=lambda start: start.number)
     memory = Memory(given.folder / FILE, key)
-    best = _best(found)
+    best = _best(done)
     if best is None or best.best is None:
-        reasons = list(dict.fromkeys(start.message for start in found))
+        reasons = list(dict.fromkeys(start.message for start in done))
         raise InputError("\n".join(f"{where}: {reason}" for reason in reasons))
-    result = _content(trials, key, found, best, memory)
+    result = _content(trials, key, done, best, memory)
     if study.table.verify:
         p = np.array(best.best.p)
         result["verified"] = _verified(trials, p, best.best.shown)
@@ -125,10 +125,10 @@ def optimise(
     return result
 
 
-def _best(found: Sequence[Start]) -> Start | None:
+def _best(starts: Sequence[Start]) -> Start | None:
     """Return the start with the best design; merits of different starts have their own scale."""
     best: Start | None = None
-    for start in found:
+    for start in starts:
         if start.best is not None and (best is None or start.best.better_than(best.best)):
             best = start
     return best
@@ -136,12 +136,13 @@ def _best(found: Sequence[Start]) -> Start | None:
 
 def _verified(trials: Trials, p: Array, shown: list[float]) -> dict[str, object]:
     """Return what a richer model says of the best design, and the relative differences."""
-    found = trials.richer().values(p)
+    verified = trials.richer().values(p)
     return {
-        "why": found.why,
-        "shown": found.shown,
+        "why": verified.why,
+        "shown": verified.shown,
         "difference": [
-            (b - a) / (abs(b) or 1.0) for a, b in zip(shown, found.shown, strict=bool(found.shown))
+            (b - a) / (abs(b) or 1.0)
+            for a, b in zip(shown, verified.shown, strict=bool(verified.shown))
         ],
     }
 
@@ -155,13 +156,13 @@ def _sensitivities(memory: Memory, p: list[float]) -> list[list[float]]:
 
 
 def _content(
-    trials: Trials, key: str, found: Sequence[Start], best: Start, memory: Memory
+    trials: Trials, key: str, starts: Sequence[Start], best: Start, memory: Memory
 ) -> dict[str, object]:
     study, table = trials.study, trials.study.table
     assert best.best is not None
     names = list(study.parameters)
     units = memory.get("values", np.array(best.best.p))["units"]
-    first = found[0].history[0] if found[0].history else None
+    first = starts[0].history[0] if starts[0].history else None
     p0, p = study.start, np.array(best.best.p)
     return {
         "format": FORMAT,
@@ -206,8 +207,8 @@ def _content(
             "start": _sensitivities(memory, first.p) if first else [],
             "optimum": _sensitivities(memory, (best.continuous or best.best).p),
         },
-        "front": [asdict(p) for p in undominated(p for start in found for p in start.front)],
-        "starts": [asdict(start) for start in found],
+        "front": [asdict(p) for p in undominated(p for start in starts for p in start.front)],
+        "starts": [asdict(start) for start in starts],
     }
 
 

@@ -114,7 +114,7 @@ class Trials:
             return Values(made, [], [], [])
         try:
             raws = [measure.raw(made) for measure in self.measures]
-            found = [
+            measured = [
                 m.reduce(raw, made.t)[0].tolist()
                 for m, raw in zip(self.measures, raws, strict=True)
             ]
@@ -122,7 +122,7 @@ class Trials:
         except (InputError, *ERRORS) as error:
             return Values(_line(error), [], [], [])
         self._last = p.tobytes(), made, raws
-        return Values("", found, shown, [m.unit for m in self.measures])
+        return Values("", measured, shown, [m.unit for m in self.measures])
 
     def slopes(self, p: Array) -> list[list[list[float]]]:
         """Return the derivatives of the values of a valid design: by measure, value, parameter."""
@@ -135,9 +135,9 @@ class Trials:
         weights = [m.reduce(raw, made.t)[1] for m, raw in zip(self.measures, raws, strict=True)]
         if self.exact and p.size > MANY and not self._refused:
             parameters = self._beside[self.study.table.run]
-            found = adjoint_slopes(self._traces, parameters, self.measures, made)
-            if found is not None:
-                return found
+            by_adjoint_method = adjoint_slopes(self._traces, parameters, self.measures, made)
+            if by_adjoint_method is not None:
+                return by_adjoint_method
         columns = self._columns(p)
         return [
             np.stack(
@@ -174,10 +174,10 @@ class Trials:
 
     def richer(self) -> "Trials":
         """Return trials of finer bodies, without a plan."""
-        found = copy(self)
-        found.study, found._plan, found._last = self.study.richer(), None, None
-        found.exact = False
-        return found
+        copied = copy(self)
+        copied.study, copied._plan, copied._last = self.study.richer(), None, None
+        copied.exact = False
+        return copied
 
     def steps(self, share: float | None = None) -> Array:
         """Return the steps of differences (p,), or a share of the range of each parameter."""
@@ -192,17 +192,17 @@ class Trials:
         """
         assert self._last is not None
         own, steps = self._last[2], self.steps()
-        found: list[tuple[float, list[Array]]] = []
+        pairs: list[tuple[float, list[Array]]] = []
         made_beside = self._made(beside(p, steps)[1:])
         for sign, made in zip([-1.0, 1.0] * p.size, made_beside, strict=True):
             raws = None if isinstance(made, str) else [m.raw(made) for m in self.measures]
             same = raws is not None and all(
                 a.shape == b.shape for a, b in zip(raws, own, strict=True)
             )
-            found.append((sign, raws) if same and raws is not None else (0.0, own))
+            pairs.append((sign, raws) if same and raws is not None else (0.0, own))
         columns = []
         for k, h in enumerate(steps):
-            (down, low), (up, high) = found[2 * k : 2 * k + 2]
+            (down, low), (up, high) = pairs[2 * k : 2 * k + 2]
             if up == down:
                 raise InputError("no design beside this one can be run: its derivative is unknown")
             columns.append([(a - b) / (h * (up - down)) for a, b in zip(high, low, strict=True)])

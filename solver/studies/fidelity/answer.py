@@ -25,16 +25,16 @@ def beyond_theory(trial: Trial) -> list[str]:
 
 def not_compared(model: Trial, check: Trial) -> str:
     """Return why model and check could not be compared; "" if both reached the end."""
-    found = []
+    reasons = []
     for trial, what in ((check, "check"), (model, "model")):
         if not trial.complete:
             solution = trial.finished.solution
             end = f"the run of the {what} stopped at t = {solution.t[-1]:.4g} s"
             by = f" by `{solution.code}`" if solution.code else ""
-            found.append(f"{end}{by} ({solution.message})")
-    if found and model.complete:
-        found.append("the run of the model did not, so that its error is not known")
-    return "; ".join(found)
+            reasons.append(f"{end}{by} ({solution.message})")
+    if reasons and model.complete:
+        reasons.append("the run of the model did not, so that its error is not known")
+    return "; ".join(reasons)
 
 
 @dataclass
@@ -146,11 +146,11 @@ MEASURED = "bodies from files: one package, so its mesh and its modes"
 def not_checked(answer: Answer) -> list[str]:
     """Return what neither the plan nor the check looks at."""
     bodies = answer.spec.mechanism.bodies
-    found = list(NOT_CHECKED) if answer.plan.bodies else [JOINTS]
-    for kind, words in (("package", MEASURED), ("shell", BETWEEN)):
+    lines = list(NOT_CHECKED) if answer.plan.bodies else [JOINTS]
+    for kind, text in (("package", MEASURED), ("shell", BETWEEN)):
         if names := [name for name in answer.plan.bodies if bodies[name].kind == kind]:
-            found.append(f"{words} ({', '.join(names)})")
-    return found
+            lines.append(f"{text} ({', '.join(names)})")
+    return lines
 
 
 def entry(answer: Answer) -> dict[str, Any]:
@@ -181,11 +181,11 @@ def entry(answer: Answer) -> dict[str, Any]:
 def theories(answer: Answer) -> list[str]:
     """Return, for each flexible beam of the plan, whether a beam is enough or a shell is needed."""
     fidelity, mechanism = answer.spec.fidelity, answer.spec.mechanism
-    found = [
+    theories_used = [
         beam_theory(mechanism, name, body, answer.study.model[name], answer.study.indicators)
         for name, body in answer.plan.bodies.items()
     ]
-    return [one.words(fidelity.accuracy) for one in found if one is not None]
+    return [one.words(fidelity.accuracy) for one in theories_used if one is not None]
 
 
 def estimate_entry(answer: Answer) -> dict[str, float | None] | None:
@@ -195,18 +195,18 @@ def estimate_entry(answer: Answer) -> dict[str, float | None] | None:
     return {name: e if np.isfinite(e) else None for name, e in answer.estimates.items()}
 
 
-def fidelity_line(found: Mapping[str, Any]) -> str:
+def fidelity_line(fidelity: Mapping[str, Any]) -> str:
     """Return the entry of summary.json in one line."""
-    estimate, delivered = "no estimate of the error", found.get("delivered", {})
-    values = [*(found["estimate"] or {}).values()]
+    estimate, delivered = "no estimate of the error", fidelity.get("delivered", {})
+    values = [*(fidelity["estimate"] or {}).values()]
     if values and None not in values:
         estimate = f"estimated error of the chosen model {max(values):.1e}"
     most = [*delivered.get("error_at_most", {}).values()]
     if (run := delivered.get("run", "none")) != "none":
         bound = f"at most about {max(most):.1e}" if most and None not in most else "not estimated"
         estimate += f"; delivered: {DELIVERED[run]}, error {bound}"
-    reason = f", {found['reason']}" if found["reason"] else ""
-    return f"accuracy {found['asked']:g} {found['verdict']}: {estimate}{reason}"
+    reason = f", {fidelity['reason']}" if fidelity["reason"] else ""
+    return f"accuracy {fidelity['asked']:g} {fidelity['verdict']}: {estimate}{reason}"
 
 
 def remarks(answer: Answer) -> list[str]:
@@ -250,10 +250,10 @@ def answer_text(answer: Answer) -> str:
             lines.append(
                 f"Estimated error of {name}: chosen model {model}; delivered run {bound}{zero}"
             )
-        words = {"met": "The request is met", "not met": "The request is NOT met"}
+        texts = {"met": "The request is met", "not met": "The request is NOT met"}
         reason = f": {answer.reason}" if answer.reason else ""
         result = f"The result of {run} is delivered." if run else "No result is delivered."
-        lines.append(f"{words[answer.verdict]}{reason}. {result}")
+        lines.append(f"{texts[answer.verdict]}{reason}. {result}")
     lines += [f"Beyond the theory of both runs: {text}." for text in answer.beyond]
     if answer.horizon is not None:
         lines.append(

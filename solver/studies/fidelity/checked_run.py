@@ -47,16 +47,16 @@ def plan_of(spec: RunSpec, check: Mapping[str, ModalPackage]) -> Answer:
     fidelity = spec.fidelity
     signals = fidelity.signals or list(spec.mechanism.signals)
     names = flexible_names(spec)
-    found = study(spec, check, names, signals)
+    indicated = study(spec, check, names, signals)
     begin = work_s()
     kinds = {name: kind_of_signal(name, spec.mechanism.signals) for name in signals}
     least = {name: BodyPlan() for name in names}
-    if found.base.reason:  # rigid bodies contradict each other
+    if indicated.base.reason:  # rigid bodies contradict each other
         for name in names:
             least[name] = BodyPlan(vibration_labels(spec.packages[name])[:1], STATIC)
-    plan, losses = chosen(found.indicators, found.model, fidelity.accuracy, kinds, least)
-    cpu = {**found.cpu, "plan": work_s() - begin, **dict.fromkeys(RUNS, 0.0)}
-    return Answer(spec, signals, found, plan, losses, cpu)
+    plan, losses = chosen(indicated.indicators, indicated.model, fidelity.accuracy, kinds, least)
+    cpu = {**indicated.cpu, "plan": work_s() - begin, **dict.fromkeys(RUNS, 0.0)}
+    return Answer(spec, signals, indicated, plan, losses, cpu)
 
 
 def checked(answer: Answer, *, promote: bool = True) -> Answer:

@@ -90,11 +90,11 @@ class Checking:
                 return trial
         if self.left() <= 0.0 and answer.check is not None:
             return None
-        found = answer.run(plan)
-        if found is not None and found.complete:
-            answer.tried.append((outline(plan), found.cpu, found.signals))
-            self._known.append(found)
-        return found
+        result = answer.run(plan)
+        if result is not None and result.complete:
+            answer.tried.append((outline(plan), result.cpu, result.signals))
+            self._known.append(result)
+        return result
 
     def assemble(self) -> None:
         """Give flexible bodies static shapes if the model of the plan cannot be assembled.
@@ -254,7 +254,7 @@ class Checking:
 
         All at once if the runs that tell the shares would take most of the budget.
         """
-        answer, (model, check), found = self.answer, self.answer.pair, list[Share]()
+        answer, (model, check), shares = self.answer, self.answer.pair, list[Share]()
         self._known.clear()
         single = [*promotions(model.plan, check.plan, self.ranked)]
         if len(single) * model.cpu <= SPLIT_COST * self.left():
@@ -262,8 +262,8 @@ class Checking:
                 for kind, body, changes in single:
                     if (other := self.run(model.plan.with_body(body, **changes))) is not None:
                         value = float(distance(self.metric, model, other).max(initial=0.0))
-                        found.append(Share(kind, body, value if np.isfinite(value) else 1e300))
-        answer.shares = sorted(found, key=lambda share: -share.value)
+                        shares.append(Share(kind, body, value if np.isfinite(value) else 1e300))
+        answer.shares = sorted(shares, key=lambda share: -share.value)
         more = promoted(
             answer.plan, check.plan, self.ranked, answer.shares, self._largest, self.accuracy
         )

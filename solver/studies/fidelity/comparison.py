@@ -66,8 +66,8 @@ class Relatives:
             if (place := name.partition(RELATIVE)[0]) in markers:
                 markers[name] = markers[place]
         built = replace(built, signal_marker=markers)
-        found = sensors(built, self.table, wanted=set(wanted))
-        return {name: found[name] for name in dict.fromkeys(wanted)}
+        all_sensors = sensors(built, self.table, wanted=set(wanted))
+        return {name: all_sensors[name] for name in dict.fromkeys(wanted)}
 
     def judged(
         self,
@@ -83,8 +83,8 @@ class Relatives:
         rtol : of the run: its noise is of this size
         quiet : (o,) the signals that are rounding by the linear response; only these can be noise
         """
-        found = np.array([signals[name] for name in self.names])
-        sizes = np.zeros(len(found))
+        values = np.array([signals[name] for name in self.names])
+        sizes = np.zeros(len(values))
         for o, name in enumerate(self.names):
             near = max(
                 (
@@ -94,12 +94,12 @@ class Relatives:
                 default=0.0,
             )
             whole = max(near, self.least[name] / SILENT)
-            size = float(np.abs(found[o]).max(initial=0.0))
+            size = float(np.abs(values[o]).max(initial=0.0))
             if size < max(self.least[name], SMALL * near):
-                found[o], sizes[o] = 0.0, whole
+                values[o], sizes[o] = 0.0, whole
             elif quiet is not None and quiet[o] and size < FORCE_NOISE * rtol * whole:
                 sizes[o] = whole
-        return found, sizes
+        return values, sizes
 
 
 def relatives(names: list[str], mechanism: Any, built: BuiltMechanism, y0: Array) -> Relatives:

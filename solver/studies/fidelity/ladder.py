@@ -61,8 +61,8 @@ def ladder(answer: Answer) -> Ladder:
     trials = [(name, answer.run(plan)) for name, plan in _plans(answer)]
     check = answer.pair[1]
     exact = answer.run(replace(check.plan, rtol=check.plan.rtol / 3.0)) or check
-    found = [(name, t.cpu, t.signals) for name, t in trials if t is not None and t.complete]
-    return _compared(answer, exact, found)
+    trials_done = [(name, t.cpu, t.signals) for name, t in trials if t is not None and t.complete]
+    return _compared(answer, exact, trials_done)
 
 
 def _compared(answer: Answer, exact: Trial, tried: Iterable[tuple[str, float, Array]]) -> Ladder:
@@ -94,8 +94,8 @@ def _plans(answer: Answer) -> Iterator[tuple[str, Plan]]:
                 name: BodyPlan(tuple(x for x in labels if number_of(x) <= count), static)
                 for name, labels in known.items()
             }
-            words = f"{count} of each kind" if count else "rigid"
+            label = f"{count} of each kind" if count else "rigid"
             shapes = ", static shapes" if static else ""
             for rtol in TOLERANCES:
                 stiffening = answer.plan.stiffening and count > 0
-                yield f"{words}{shapes}, rtol {rtol:g}", Plan(bodies, stiffening, rtol)
+                yield f"{label}{shapes}, rtol {rtol:g}", Plan(bodies, stiffening, rtol)

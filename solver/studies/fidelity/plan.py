@@ -293,8 +293,8 @@ def with_solver(
     values |= {"rtol": rtol, "geometric_stiffening": stiffening}
     tolerances = dict.fromkeys(("atol_position", "atol_velocity"))
     solver = with_values(mechanism.solver, **values, **tolerances)
-    found: Mechanism = with_values(mechanism, solver=solver)
-    return found
+    changed: Mechanism = with_values(mechanism, solver=solver)
+    return changed
 
 
 def with_values(table: Any, **values: Any) -> Any:

@@ -61,12 +61,12 @@ def _serve(channel: socket.socket, folder: Path) -> None:
         what, count = struct.unpack("=ii", _taken(channel, 8))
         numbers = np.frombuffer(_taken(channel, 8 * count))
         try:
-            found = instance.answer(what, numbers)
+            numbers_out = instance.answer(what, numbers)
         except Exception as error:
             _answer(channel, ERROR, _words(error))
             continue
         warnings = "\n".join(stepper.warnings())
-        _answer(channel, WARNING if warnings else OK, warnings, found)
+        _answer(channel, WARNING if warnings else OK, warnings, numbers_out)
 
 
 class _Instance:
@@ -117,9 +117,9 @@ def _words(error: Exception) -> str:
 
 def _answer(channel: socket.socket, status: int, text: str, numbers: Array | None = None) -> None:
     data = text.encode("utf-8")[:TEXT_BYTES]
-    found = np.zeros(0) if numbers is None else numbers
-    head = struct.pack("=iii", status, len(data), len(found))
-    channel.sendall(head + data + np.ascontiguousarray(found, dtype=float).tobytes())
+    sent = np.zeros(0) if numbers is None else numbers
+    head = struct.pack("=iii", status, len(data), len(sent))
+    channel.sendall(head + data + np.ascontiguousarray(sent, dtype=float).tobytes())
 
 
 def _taken(channel: socket.socket, size: int) -> bytes:

@@ -59,15 +59,15 @@ class Variable:
 
 def variables_of(stepper: Stepper) -> list[Variable]:
     """Return the inputs, then the outputs."""
-    found = []
+    variables = []
     for given in stepper.inputs:
         meaning = (
             "value that the drive prescribes" if given.drive else "size of the force or torque"
         )
-        found.append(Variable(given.name, given.unit, meaning, float(given.start[0])))
+        variables.append(Variable(given.name, given.unit, meaning, float(given.start[0])))
     for name, sensor in stepper.outputs.items():
-        found.append(Variable(f"signals.{name}", sensor.unit, sensor.description, None))
-    return found
+        variables.append(Variable(f"signals.{name}", sensor.unit, sensor.description, None))
+    return variables
 
 
 def derivatives_refused(stepper: Stepper) -> str:
@@ -167,10 +167,10 @@ def _model_variables(parent: ET.Element, variables: list[Variable], *, old: bool
     """Add the variables, then the parameters and, by FMI 3, the time."""
     real, whole = ("Real", "Integer") if old else ("Float64", "Int32")
 
-    def add(name: str, kind: str, own: dict[str, str], words: str, **values: str) -> None:
+    def add(name: str, kind: str, own: dict[str, str], description: str, **values: str) -> None:
         """Add one; by FMI 2 the values of its kind stand in an element of their own."""
         number = str(len(parent))
-        more = {"description": _words(words)} if words else {}
+        more = {"description": _words(description)} if description else {}
         if old:
             common = {"name": name, "valueReference": number, **more, **own}
             ET.SubElement(ET.SubElement(parent, "ScalarVariable", common), kind, values)
@@ -188,10 +188,10 @@ def _model_variables(parent: ET.Element, variables: list[Variable], *, old: bool
         else:
             values["start"] = repr(variable.start)
         add(variable.name, real, own, variable.description, **values)
-    words = "of the polynomial that carries an input on during a step"
+    description = "of the polynomial that carries an input on during a step"
     for name, usual in (("drive_order", DRIVE_ORDER), ("force_order", FORCE_ORDER)):
         own = {"causality": "parameter", "variability": "fixed", "initial": "exact"}
-        add(name, whole, own, words, start=str(usual), min="0", max="2")
+        add(name, whole, own, description, start=str(usual), min="0", max="2")
     if not old:
         own = {"causality": "independent", "variability": "continuous"}
         add("time", real, own, "", unit="s")
@@ -209,10 +209,10 @@ INPUTS, SOLVER = "inputs.txt", "solver.txt"
 
 def run_of(folder: Path) -> Path:
     """Return the run file. Raises InputError if there is none, or more than one."""
-    found = list((folder / "runs").glob("*.json"))
-    if len(found) != 1:
-        raise InputError(f"{folder}: resources of an FMU: expected one run, found {len(found)}")
-    return found[0]
+    files = list((folder / "runs").glob("*.json"))
+    if len(files) != 1:
+        raise InputError(f"{folder}: resources of an FMU: expected one run, found {len(files)}")
+    return files[0]
 
 
 def write_contents(run_file: Path, folder: Path) -> Path:

@@ -54,16 +54,16 @@ def match(one: Vectors, two: Vectors) -> Match:
     successor, overlap = np.full(k, -1, dtype=np.int64), np.zeros(k)
     if k == 0 or two.right.shape[1] == 0:
         return Match(successor, overlap)
-    found = np.zeros((k, two.right.shape[1]))
+    overlaps = np.zeros((k, two.right.shape[1]))
     for right, left in (two, (two.right.conj(), two.left.conj())):
         forward = np.abs(one.left.conj().T @ right)
         backward = np.abs(left.conj().T @ one.right).T
-        found = np.maximum(found, np.nan_to_num(np.sqrt(forward * backward), posinf=0.0))
-    found = np.minimum(found, 1.0)
-    rows, columns = linear_sum_assignment(-found)
-    alike = found[rows, columns] >= _LEAST
+        overlaps = np.maximum(overlaps, np.nan_to_num(np.sqrt(forward * backward), posinf=0.0))
+    overlaps = np.minimum(overlaps, 1.0)
+    rows, columns = linear_sum_assignment(-overlaps)
+    alike = overlaps[rows, columns] >= _LEAST
     rows, columns = rows[alike], columns[alike]
-    successor[rows], overlap[rows] = columns, found[rows, columns]
+    successor[rows], overlap[rows] = columns, overlaps[rows, columns]
     return Match(successor, overlap)
 
 
@@ -126,16 +126,16 @@ def follow(at: Callable[[float, Point | None], Point], speeds: Array, most: int)
 
     def advance(low: float, high: float, halvings: int) -> None:
         before, point = points[-1], at(high, points[-1])
-        found = match(before.vectors, point.vectors)
+        matched = match(before.vectors, point.vectors)
         # The least overlap of the lowest modes that oscillate.
         moving = [k for k in _lowest(before, most) if before.modes.frequencies[k] > 0.0]
-        if halvings and found.overlap[moving].min(initial=1.0) < ALIKE:
+        if halvings and matched.overlap[moving].min(initial=1.0) < ALIKE:
             middle = 0.5 * (low + high)
             advance(low, middle, halvings - 1)
             advance(middle, high, halvings - 1)
             return
         points.append(point)
-        matches.append(found)
+        matches.append(matched)
 
     for low, high in pairwise(speeds.tolist()):
         advance(low, high, _HALVINGS)
@@ -154,13 +154,13 @@ def _lowest(point: Point, most: int) -> list[int]:
 def _branches(points: Sequence[Point], matches: Sequence[Match], most: int) -> Campbell:
     columns = [[k] for k in _lowest(points[0], most)]  # by branch: its mode at each speed
     overlaps: list[list[float]] = [[] for _ in columns]
-    for s, (point, found) in enumerate(zip(points[1:], matches, strict=True), 1):
+    for s, (point, match) in enumerate(zip(points[1:], matches, strict=True), 1):
         for column, alike in zip(columns, overlaps, strict=True):
             k = column[-1]
-            j = int(found.successor[k]) if k >= 0 else -1
+            j = int(match.successor[k]) if k >= 0 else -1
             gone = j < 0 or bool(point.modes.still[j])
             column.append(-1 if gone else j)
-            alike.append(np.nan if gone else float(found.overlap[k]))
+            alike.append(np.nan if gone else float(match.overlap[k]))
         taken = {column[-1] for column in columns}
         alive = sum(column[-1] >= 0 for column in columns)
         new = [j for j in _lowest(point, most) if j not in taken]
@@ -213,7 +213,7 @@ def crossings(
     harmonics : number of lines
     fixed : frequencies seen from axes at rest
     """
-    found = []
+    points = []
     for branch in range(diagram.frequencies.shape[1]):
         w = diagram.followed(fixed)[:, branch]
         known = np.flatnonzero(np.isfinite(w))
@@ -224,8 +224,8 @@ def crossings(
             off = w - n * diagram.speeds
             for s, s_next in pairwise(known.tolist()):
                 if off[s] * off[s_next] < 0.0 or (off[s_next] == 0.0 and off[s] != 0.0):
-                    found.append(_crossing(diagram, at, curve, branch, n, s, s_next, fixed=fixed))
-    return sorted(found, key=lambda c: (c.speed, c.harmonic))
+                    points.append(_crossing(diagram, at, curve, branch, n, s, s_next, fixed=fixed))
+    return sorted(points, key=lambda c: (c.speed, c.harmonic))
 
 
 def _crossing(
@@ -259,11 +259,11 @@ def _crossing(
     known = (low, float(w[s]) - n * low), (high, float(w[s_next]) - n * high)
     last = max(known, key=lambda pair: abs(pair[0] - speed))
     for _ in range(_SECANTS):  # the secant method
-        found = off(speed)
-        if not np.isfinite(found) or found == last[1]:
+        distance = off(speed)
+        if not np.isfinite(distance) or distance == last[1]:
             break
-        better = speed - found * (speed - last[0]) / (found - last[1])
-        last = speed, found
+        better = speed - distance * (speed - last[0]) / (distance - last[1])
+        last = speed, distance
         speed = min(max(better, low), high)
         if abs(speed - last[0]) <= _CROSSED * high:
             break

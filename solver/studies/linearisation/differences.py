@@ -91,11 +91,11 @@ def _values(instant: Instant, evaluation: Evaluation, moves: Array) -> Array:
     t, laws = np.full(len(y), instant.t), changes[:, n:].reshape(len(y), *instant.laws.shape)
     # Laws are the same for all states of a call.
     every = [slice(k, k + 1) for k in range(len(y))] if laws.any() else [slice(None)]
-    found = [
+    values = [
         evaluation(with_laws(model, instant.t, instant.laws + laws[rows][0]), t[rows], y[rows])
         for rows in every
     ]
-    return np.concatenate(found).reshape(len(moves), _AT.size, -1)
+    return np.concatenate(values).reshape(len(moves), _AT.size, -1)
 
 
 def units_of(model: Model, size: float) -> Array:

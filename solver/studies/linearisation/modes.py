@@ -275,10 +275,10 @@ def _forward(model: Model, y: Array, x: Array, axis: Array | None) -> Array:
     both = (G[:, 0, 0] + G[:, 1, 1]).real
     turning = -2.0 * G[:, 1, 0].imag
     total = np.trace(G, axis1=1, axis2=2).real
-    found = np.full(x.shape[1], ALONG)
+    shares = np.full(x.shape[1], ALONG)
     across = both > 1e-3 * total
-    found[across] = np.clip(0.5 * (1.0 + turning[across] / both[across]), 0.0, 1.0)
-    return found
+    shares[across] = np.clip(0.5 * (1.0 + turning[across] / both[across]), 0.0, 1.0)
+    return shares
 
 
 def _moments(model: Model, i: int, y: Array, x: Array) -> Array:
@@ -334,8 +334,8 @@ def change_when_turned(
     change = into @ later.A_free @ back - space.A_free
     values = np.abs(modes.eigenvalues[moving])
     left, right = modes.left[:, moving], modes.right[:, moving]
-    found = np.maximum(np.abs(left.conj().T @ change @ right), np.abs(left.T @ change @ right))
-    return float((found / np.maximum(np.maximum.outer(values, values), rate)).max())
+    changes = np.maximum(np.abs(left.conj().T @ change @ right), np.abs(left.T @ change @ right))
+    return float((changes / np.maximum(np.maximum.outer(values, values), rate)).max())
 
 
 def _sides(space: StateSpace) -> tuple[Array, Array]:

@@ -95,11 +95,11 @@ def common_spin(model: Model, t: float, y: Array) -> Spin | None:
     if np.abs(spin_velocities(model, y, spin) - v).max() > _ALIKE * np.abs(v).max():
         return None
     expected = spin_accelerations(model, y, spin)
-    found = along_solution(model, np.full(1, t), y[None])[0][
+    rates = along_solution(model, np.full(1, t), y[None])[0][
         0, model.n_pos : model.n_pos + model.n_vel
     ]
     scale = max(float(np.abs(expected).max()), rate**2)
-    return spin if np.abs(found - expected).max() <= _ALIKE * scale else None
+    return spin if np.abs(rates - expected).max() <= _ALIKE * scale else None
 
 
 _STEADY = 1e-6  # change of the free motions in steady spin, relative to the spin's velocities
@@ -201,8 +201,8 @@ def linearise(
     def answers(directions: Array, column: int) -> Array:
         """Motions (n_vel, k) that restore Phi (column 0) or Phidot (1) along directions."""
         weights = np.ones(2 * model.n_constraint)
-        found = derivatives(at, _constraints, directions, size, weights).values
-        return np.asarray(-free.P @ found.reshape(2, -1, len(directions))[column])
+        blocks = derivatives(at, _constraints, directions, size, weights).values
+        return np.asarray(-free.P @ blocks.reshape(2, -1, len(directions))[column])
 
     B = np.zeros_like(Z)
     if model.n_constraint and (y[model.n_pos :].any() or at.laws[:, 1].any()):
@@ -232,8 +232,8 @@ def linearise(
         return np.column_stack([rates, *(s.values(recording) for s in sensors.values())])
 
     weights = np.concatenate([np.sqrt(model.inertia_scale), np.zeros(n_a + len(sensors))])
-    found = derivatives(at, evaluation, directions, size, weights)
-    da, ds, dy = np.split(found.values, [model.n_vel, model.n_vel + n_a])
+    blocks = derivatives(at, evaluation, directions, size, weights)
+    da, ds, dy = np.split(blocks.values, [model.n_vel, model.n_vel + n_a])
     frame = turning_axes(model, y, W_G)
     A, into = np.zeros((n_state, n_state)), np.zeros((n_state, len(sources)))
     A[:n] = left @ (u + frame.T @ x)
@@ -255,7 +255,7 @@ def linearise(
     rest = along_solution(model, np.full(1, t), y[None])[0][0, kept]
     # The largest estimated error of a column over its size. A large acceleration that does not
     # depend on the state leaves nothing but round-off.
-    errors = np.linalg.norm(left @ found.errors[:n_v, : 2 * n], axis=0)
+    errors = np.linalg.norm(left @ blocks.errors[:n_v, : 2 * n], axis=0)
     sizes = np.linalg.norm(left @ da[:, : 2 * n], axis=0)
     noise = 1e-8 * float(np.linalg.norm(left @ rest[:n_v]))
     least = max(1e-9 * max(float(sizes.max(initial=0.0)), 1.0), noise)
@@ -281,8 +281,8 @@ def linearise(
 
 def _constraints(model: Model, t: Array, y: Array) -> Array:
     """Phi and Phidot of states, (k, 2 n_c)."""
-    found = balance(model, t, y)
-    return np.hstack([found.Phi, found.Phi_d])
+    b = balance(model, t, y)
+    return np.hstack([b.Phi, b.Phi_d])
 
 
 class Realisation(NamedTuple):
@@ -364,21 +364,21 @@ def frequencies_between(low: float, high: float, count: int, resonances: Array) 
     """
     near = np.concatenate([[-d, d] for d in (1e-2, 3e-3, 1e-3, 1e-4)]).ravel()
     beside = np.outer(resonances, 1.0 + near).ravel()
-    found = np.concatenate([np.geomspace(low, high, count), beside])
-    return np.unique(found[(found >= low) & (found <= high)])
+    w = np.concatenate([np.geomspace(low, high, count), beside])
+    return np.unique(w[(w >= low) & (w <= high)])
 
 
 def sources_of(mechanism: "Mechanism", built: BuiltMechanism) -> tuple[Source, ...]:
     """Return one input per law of time: "JOINT:DRIVE" by its acceleration, "FORCE" by its size."""
-    model, found = built.model, []
+    model, sources = built.model, []
     for name, joint in mechanism.joints.items():
         for key, row in zip(drives(joint), built.joints[name].rows[1:], strict=True):
             assert NAMES[model.joint_kind[row]] in DRIVES
             first = int(model.joint_row[row])
             unit = "m" if position_rows(model.joint_kind)[first] else "rad"
-            found.append(Source(f"{name}:{key}", int(model.joint_law[row]), f"{unit}/s2", True))
+            sources.append(Source(f"{name}:{key}", int(model.joint_law[row]), f"{unit}/s2", True))
     for k, (name, force) in enumerate(mechanism.forces.items()):
         law = int(model.force_law[k])
         if law >= 0:
-            found.append(Source(name, law, unit_of_law(force.kind), False))
-    return tuple(found)
+            sources.append(Source(name, law, unit_of_law(force.kind), False))
+    return tuple(sources)

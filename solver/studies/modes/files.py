@@ -23,7 +23,7 @@ from .state import States
 
 
 def write_modes(
-    folder: Path, states: States, found: Found, shapes: int, response: Response | None
+    folder: Path, states: States, result: Found, shapes: int, response: Response | None
 ) -> list[str]:
     """Write modes.json, linear.npz, linear.mat, the lowest shapes and a response, if any.
 
@@ -39,8 +39,8 @@ def write_modes(
     """
     refuse_foreign(folder / "modes.json")
     folder.mkdir(parents=True, exist_ok=True)
-    _write_linear(folder, states, found)
-    write_text(folder / "modes.json", dump(modes_content(states, found)))
+    _write_linear(folder, states, result)
+    write_text(folder / "modes.json", dump(modes_content(states, result)))
     files = ["modes.json", "linear.npz", "linear.mat"]
     if response is not None:
         # Magnitude and phase of each pair.
@@ -53,7 +53,7 @@ def write_modes(
         write_text(folder / "response.csv", csv_text([head, *np.array(columns).T.tolist()], "\n"))
         _draw_response(folder / "response.png", response)
         files += ["response.csv", "response.png"]
-    return [*files, *draw_shapes(folder, states, found, shapes)]
+    return [*files, *draw_shapes(folder, states, result, shapes)]
 
 
 def write_campbell(folder: Path, diagram: Diagram) -> list[str]:
@@ -69,9 +69,9 @@ def write_campbell(folder: Path, diagram: Diagram) -> list[str]:
 # modes.json: the modes as plain data.
 
 
-def modes_content(states: States, found: Found) -> dict[str, object]:
+def modes_content(states: States, result: Found) -> dict[str, object]:
     """Return the content of modes.json."""
-    state, rank = found.state, found.space.rank
+    state, rank = result.state, result.space.rank
     spin = None
     if state.spin is not None:
         spin = {
@@ -85,7 +85,7 @@ def modes_content(states: States, found: Found) -> dict[str, object]:
         "state": state.words,
         "t": state.t,
         "spin": spin,
-        "degrees_of_freedom": found.space.n_free,
+        "degrees_of_freedom": result.space.n_free,
         "constraints": {
             "rows": rank.rows,
             "rank": rank.value,
@@ -94,26 +94,26 @@ def modes_content(states: States, found: Found) -> dict[str, object]:
             "doubtful": rank.doubtful,
             "text": rank.text,
         },
-        "difference_error": found.space.error,
-        "modes": [_entry(found, states.built.body_names, k) for k in range(len(found.whirl))],
-        "notes": list(found.notes),
+        "difference_error": result.space.error,
+        "modes": [_entry(result, states.built.body_names, k) for k in range(len(result.whirl))],
+        "notes": list(result.notes),
     }
 
 
-def _entry(found: Found, body_names: list[str], k: int) -> dict[str, object]:
+def _entry(result: Found, body_names: list[str], k: int) -> dict[str, object]:
     """Return mode k as plain data."""
-    value, w = found.modes.eigenvalues[k], float(found.modes.frequencies[k])
-    still, whirl = bool(found.modes.still[k]), float(found.whirl[k])
-    shares = found.shares.bodies[:, k].tolist()
+    value, w = result.modes.eigenvalues[k], float(result.modes.frequencies[k])
+    still, whirl = bool(result.modes.still[k]), float(result.whirl[k])
+    shares = result.shares.bodies[:, k].tolist()
     return {
         "number": k + 1,
         "frequency_hz": w / (2.0 * np.pi),
         "angular_frequency": w,
-        "damping_ratio": float(found.damping[k]),
+        "damping_ratio": float(result.damping[k]),
         "eigenvalue": [0.0, 0.0] if still else [float(value.real), float(value.imag)],
         "kind": "zero" if still else "oscillation" if w > 0.0 else "real",
         "fixed_axes_angular_frequency": None if np.isnan(whirl) else whirl,
-        "main": found.shares.main[k],
+        "main": result.shares.main[k],
         "bodies": dict(zip(body_names, shares, strict=False)),
     }
 
@@ -148,28 +148,28 @@ def _draw_response(path: Path, response: Response) -> None:
 # Linearised equations as files for NumPy and MATLAB.
 
 
-def linear_system(states: States, found: Found) -> Realisation:
+def linear_system(states: States, result: Found) -> Realisation:
     """Return the linearised equations: A, B, C, D with names and units of what they connect."""
     built = states.built
     names = coordinate_names(built.model, built.body_names, built.packages)
-    return realisation(found.space, names, built.state_names)
+    return realisation(result.space, names, built.state_names)
 
 
-def _write_linear(folder: Path, states: States, found: Found) -> None:
+def _write_linear(folder: Path, states: States, result: Found) -> None:
     """Write linear.npz and linear.mat: A, B, C, D with names and units of what they connect."""
-    system = linear_system(states, found)._asdict()
+    system = linear_system(states, result)._asdict()
     matrices: dict[str, Any] = {key: system.pop(key) for key in "ABCD"}
     matrices |= {
-        "eigenvalues": found.modes.eigenvalues,
-        "shapes": found.modes.x,
-        "t": np.array(found.state.t),
-        "spin": found.state.spin.W if found.state.spin is not None else np.zeros(3),
+        "eigenvalues": result.modes.eigenvalues,
+        "shapes": result.modes.x,
+        "t": np.array(result.state.t),
+        "spin": result.state.spin.W if result.state.spin is not None else np.zeros(3),
     }
-    texts = {key: np.array(words, dtype=str) for key, words in system.items()}
+    texts = {key: np.array(values, dtype=str) for key, values in system.items()}
     content = matrices | texts
     with temporary_sibling(folder / "linear.npz") as temporary:
         np.savez(temporary, **content)
-    cells = {key: np.array(words, dtype=object)[:, None] for key, words in system.items()}
+    cells = {key: np.array(values, dtype=object)[:, None] for key, values in system.items()}
     with temporary_sibling(folder / "linear.mat") as temporary:
         savemat(temporary, {**matrices, **cells}, do_compression=True)
 
@@ -196,7 +196,7 @@ class Period(NamedTuple):
     points: Array  # (FRAMES + 1, n, 3) with the mode, enlarged [m]
 
 
-def draw_shapes(folder: Path, states: States, found: Found, count: int) -> list[str]:
+def draw_shapes(folder: Path, states: States, result: Found, count: int) -> list[str]:
     """Write modes.png and mode-NN.vtkhdf of the lowest modes; return the names of the files.
 
     Parameters
@@ -208,12 +208,12 @@ def draw_shapes(folder: Path, states: States, found: Found, count: int) -> list[
     """
     for old in filter(is_ours, folder.glob(_PATTERN)):
         old.unlink()
-    n = min(count, found.modes.eigenvalues.size)
+    n = min(count, result.modes.eigenvalues.size)
     if n == 0:
         if is_ours(folder / "modes.png"):
             (folder / "modes.png").unlink()
         return []
-    periods = [period_of(states, found, k) for k in range(n)]
+    periods = [period_of(states, result, k) for k in range(n)]
     digits = max(2, len(str(n)))
     for period in periods:
         with new_file(folder / f"mode-{period.number:0{digits}d}.vtkhdf") as file:
@@ -227,7 +227,7 @@ def draw_shapes(folder: Path, states: States, found: Found, count: int) -> list[
     return ["modes.png", f"mode-{1:0{digits}d}.vtkhdf{last}"]
 
 
-def period_of(states: States, found: Found, k: int) -> Period:
+def period_of(states: States, result: Found, k: int) -> Period:
     """Return one period of mode k, with a largest displacement of _SIZE times the mechanism.
 
     Parameters
@@ -236,8 +236,8 @@ def period_of(states: States, found: Found, k: int) -> Period:
     found : modes about a state
     k : number of the mode
     """
-    model, y = found.state.model, found.state.y
-    x = found.modes.x[:, k]
+    model, y = result.state.model, result.state.y
+    x = result.modes.x[:, k]
     phase = np.exp(2j * np.pi * np.arange(FRAMES + 1) / FRAMES)
 
     def nodes(amplitude: float) -> tuple[tuple[BodyGeometry, ...], Array]:
@@ -251,12 +251,12 @@ def period_of(states: States, found: Found, k: int) -> Period:
     rate = float(np.linalg.norm(small - rest, axis=2).max()) / _DIFFERENCE
     turning = max(rate / (_SIZE * size), _rotation(states, x) / _TURN, 1e-300)
     _, points = nodes(1.0 / turning)
-    w = float(found.modes.frequencies[k])
+    w = float(result.modes.frequencies[k])
     title = f"{w / (2.0 * np.pi):.5g} Hz"
     if not w:
-        real = found.modes.eigenvalues[k].real
-        title = "0 Hz" if found.modes.still[k] else f"{real:+.4g} 1/s"
-    title += f", {found.shares.main[k]}"
+        real = result.modes.eigenvalues[k].real
+        title = "0 Hz" if result.modes.still[k] else f"{real:+.4g} 1/s"
+    title += f", {result.shares.main[k]}"
     times = np.arange(FRAMES + 1) / FRAMES * (2.0 * np.pi / w if w else 1.0)
     return Period(k + 1, title, times, bodies, rest[0], points)
 
@@ -270,8 +270,8 @@ def _rotation(states: States, x: Array) -> float:
         largest = max(largest, float(np.linalg.norm(np.abs(x[j - 3 : j]))))
         if package is not None:
             q = x[j : j + package.n_mode]
-            found = np.einsum("mna,m->na", package.shapes_B[:, :, 3:6], q)
-            largest = max(largest, float(np.linalg.norm(np.abs(found), axis=1).max()))
+            rotations = np.einsum("mna,m->na", package.shapes_B[:, :, 3:6], q)
+            largest = max(largest, float(np.linalg.norm(np.abs(rotations), axis=1).max()))
     return largest
 
 

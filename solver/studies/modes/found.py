@@ -208,22 +208,22 @@ def _notes(states: States, state: State, space: StateSpace, modes: Modes) -> lis
     if modes.unstable.any():
         growth = float(modes.growth.max())
         count = int(modes.unstable.sum())
-        words = counted(count, "mode grows", "modes grow")
-        notes.append(f"unstable: {words}, at up to {growth:.4g} 1/s")
+        text = counted(count, "mode grows", "modes grow")
+        notes.append(f"unstable: {text}, at up to {growth:.4g} 1/s")
     return notes
 
 
 def _bent(states: States, state: State) -> list[str]:
     """Return the flexible bodies whose interfaces turn by more than _BENT in a state."""
-    built, found = states.built, []
+    built, bodies = states.built, []
     for i, name in enumerate(built.body_names):
         package = built.packages.get(name)
         if package is not None and state.model.n_mode[i] == package.n_mode:
             _, _, q = body_frames(state.model, i, state.y[None])
             linear = [place.psi_B @ q[0] for place in package.interfaces]
             if max((float(np.linalg.norm(turn)) for turn in linear), default=0.0) > _BENT:
-                found.append(name)
-    return found
+                bodies.append(name)
+    return bodies
 
 
 # `--response`: transfer functions from forces and drives to signals.
@@ -253,7 +253,7 @@ def span_of(text: str) -> tuple[float, float]:
 
 
 def response_of(
-    found: Found, span: tuple[float, float], inputs: list[str] | None, outputs: list[str] | None
+    result: Found, span: tuple[float, float], inputs: list[str] | None, outputs: list[str] | None
 ) -> Response:
     """Return the transfer functions between named inputs and outputs; None: all of them.
 
@@ -269,11 +269,11 @@ def response_of(
     InputError
         An unknown name; a case without inputs or signals.
     """
-    space = found.space
+    space = result.space
     into = _chosen("--input", inputs, [s.name for s in space.inputs], "drive, load or actuator")
     out = _chosen("--output", outputs, [name for name, _ in space.outputs], "signal")
     low, high = (2.0 * np.pi * f for f in span)
-    w = frequencies_between(low, high, POINTS, found.modes.frequencies)
+    w = frequencies_between(low, high, POINTS, result.modes.frequencies)
     G = frequency_response(space, w)[:, out][:, :, into]
     pairs = [(space.inputs[k].name, space.inputs[k].unit) for k in into]
     return Response(w / (2.0 * np.pi), G, pairs, [space.outputs[k] for k in out])
@@ -312,26 +312,26 @@ class Spins:
         if near is not None:
             positions = self._known[id(near.modes)].y[: self.states.built.model.n_pos]
             start = Start(positions, start.velocities, start.given)
-        found = self._found(speed, start)
+        result = self._found(speed, start)
         if near is not None and speed != 0.0:
             for off in _BESIDE:
-                if found.modes.still.sum() <= near.modes.still.sum():
+                if result.modes.still.sum() <= near.modes.still.sum():
                     break
-                found = self._found(speed * (1.0 + off), start)
-        for note in found.notes:
+                result = self._found(speed * (1.0 + off), start)
+        for note in result.notes:
             if not note.startswith("unstable"):
                 self.notes[note] = None
-        self._known[id(found.modes)] = found.state
-        fixed = found.modes.frequencies if speed == 0.0 else found.whirl
-        vectors = vectors_of(found.space, found.modes)
-        return Point(speed, found.modes, vectors, fixed, found.damping, found.shares.main)
+        self._known[id(result.modes)] = result.state
+        fixed = result.modes.frequencies if speed == 0.0 else result.whirl
+        vectors = vectors_of(result.space, result.modes)
+        return Point(speed, result.modes, vectors, fixed, result.damping, result.shares.main)
 
     def _found(self, speed: float, start: Start) -> Found:
         state = self.states.turning(self.line._replace(rate=speed), start)
         check = speed != 0.0 and not self._checked
-        found = find_modes(self.states, state, ports=False, check=check)
+        result = find_modes(self.states, state, ports=False, check=check)
         self._checked = self._checked or check
-        return found
+        return result
 
 
 class Diagram:

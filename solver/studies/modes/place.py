@@ -39,12 +39,12 @@ def at_of(text: str) -> At:
 
 def _number(text: str, value: str) -> float:
     try:
-        found = float(value)
+        number = float(value)
     except ValueError:
-        found = nan
-    if not isfinite(found):
+        number = nan
+    if not isfinite(number):
         raise InputError(f"--at {text}: {value!r} is not a number; {_EXPECTED}")
-    return found
+    return number
 
 
 def _speeds(text: str, value: str) -> "Array":

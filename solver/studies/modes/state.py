@@ -171,8 +171,15 @@ class States:
             model, y = resting_state(built.model, start, built.body_names)
             return State(model, 0.0, y, spin, "rest")
         names = built.joint_names, built.body_names
-        found = relative_equilibrium(built.model, start, spin, *names)
-        return State(found.model, 0.0, found.y, spin, f"spin {spin.rate:g} rad/s", given_spin=True)
+        equilibrium = relative_equilibrium(built.model, start, spin, *names)
+        return State(
+            equilibrium.model,
+            0.0,
+            equilibrium.y,
+            spin,
+            f"spin {spin.rate:g} rad/s",
+            given_spin=True,
+        )
 
     def _later(self, t: float) -> State:
         """Integrate the run up to t."""
@@ -188,5 +195,5 @@ class States:
             )
         return self._moving(t, solution.y[-1], f"t = {t:g} s")
 
-    def _moving(self, t: float, y: Array, words: str) -> State:
-        return State(self.built.model, t, y, common_spin(self.built.model, t, y), words)
+    def _moving(self, t: float, y: Array, label: str) -> State:
+        return State(self.built.model, t, y, common_spin(self.built.model, t, y), label)

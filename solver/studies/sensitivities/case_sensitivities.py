@@ -49,7 +49,7 @@ def compute_sensitivities(
     result, summary = with_sensitivities(spec, parameters, progress=progress)
     if shares is None:
         return result, summary
-    found = list[Derivative]()
+    derivatives = list[Derivative]()
     for signal in result.signals:
         own = [one for one in result.sensitivities if one.signal == signal.name]
         rates = np.stack([one.values for one in own], axis=-1) @ shares
@@ -57,8 +57,8 @@ def compute_sensitivities(
             number = next((p for p in parameters if p.name == key), None)
             unit, value = (number.unit, number.value) if number else ("", 0.0)
             unit = f"({signal.unit})/({unit})" if unit else signal.unit
-            found.append(Derivative(signal.name, key, unit, value, rates[..., k]))
-    return replace(result, sensitivities=tuple(found)), summary
+            derivatives.append(Derivative(signal.name, key, unit, value, rates[..., k]))
+    return replace(result, sensitivities=tuple(derivatives)), summary
 
 
 def asked_of(
@@ -91,10 +91,10 @@ def asked_of(
         shares[len(members) :, [keys.index(name) for name in names]] = own
         names = [str(k) for k in range(len(own))]
     numbers = [parameter_of(spec, *member) for member in members]
-    found = [*numbers, *(design_parameter(spec, name) for name in names)]
+    parameters = [*numbers, *(design_parameter(spec, name) for name in names)]
     if shares is None:
-        found.sort(key=lambda parameter: keys.index(parameter.name))
-    return spec, found, shares
+        parameters.sort(key=lambda parameter: keys.index(parameter.name))
+    return spec, parameters, shares
 
 
 def write_sensitivities(folder: Path, result: RunResult, summary: Summary) -> list[str]:

@@ -189,8 +189,8 @@ def sides(
     start = np.zeros((2 * model.n_vel + model.n_aux, len(parameters)))
     for p, parameter in enumerate(parameters):
         minus, plus = (variant(each, model) for each in (parameter.minus, parameter.plus))
-        for found in (minus, plus):
-            check_variant(parameter, found, model, prepared.mechanism.solver.t_end)
+        for side in (minus, plus):
+            check_variant(parameter, side, model, prepared.mechanism.solver.t_end)
         pairs.append((minus, plus))
         columns.append(Column(minus.built.model, plus.built.model, parameter.h))
         start[:, p] = start_tangent(model, prepared.y0, minus.y0, plus.y0, parameter.h)
@@ -394,13 +394,13 @@ def _has_corners(programs: Programs, curve: int) -> bool:
 
 def bends_of(prepared: Prepared) -> list[tuple[int, float]]:
     """Return coordinates and the limits of stops along them."""
-    along, found = prepared.model.quantities.along, []
+    along, bends = prepared.model.quantities.along, []
     for name, force in prepared.mechanism.forces.items():
         if force.kind == STOP:
             number = int(along[prepared.built.force_names.index(name)])
             limits = (getattr(force, "lower", None), getattr(force, "upper", None))
-            found += [(number, float(limit)) for limit in limits if limit is not None]
-    return found
+            bends += [(number, float(limit)) for limit in limits if limit is not None]
+    return bends
 
 
 def beside_motion(

@@ -215,14 +215,16 @@ class Partials:
 
     def __call__(self, t: Array, y: Array, a: Array, multipliers: Array, base: Array) -> Array:
         """Return (k, P, w) for P parameters; base (k, w) are the terms at the states."""
-        found = np.zeros((t.size, self._count, base.shape[1]))
+        values = np.zeros((t.size, self._count, base.shape[1]))
         if self._near:
-            found += self._shares @ np.stack([*self._of_models(t, y, a, multipliers, base)], axis=1)
+            values += self._shares @ np.stack(
+                [*self._of_models(t, y, a, multipliers, base)], axis=1
+            )
         for j, K, modal in self._modal(y):
             m = K.shape[2]
             change = modal @ K.reshape(2 * m, -1)
-            found[:, :, j : j + m] -= change.reshape(t.size, self._count, m)
-        return found
+            values[:, :, j : j + m] -= change.reshape(t.size, self._count, m)
+        return values
 
     @property
     def rows(self) -> IntArray | None:
@@ -237,15 +239,15 @@ class Partials:
         self, t: Array, y: Array, a: Array, multipliers: Array, base: Array, weights: Array
     ) -> Array:
         """Return sums (P, v) of the same over states and terms with weights (k, w, v)."""
-        found = np.zeros((self._count, weights.shape[2]))
+        sums = np.zeros((self._count, weights.shape[2]))
         for shares, partial in zip(
             self._shares.T, self._of_models(t, y, a, multipliers, base), strict=True
         ):
-            found += np.outer(shares, np.tensordot(partial, weights))
+            sums += np.outer(shares, np.tensordot(partial, weights))
         for j, K, modal in self._modal(y):
             both = np.tensordot(modal, weights[:, j : j + K.shape[2]], axes=(0, 0))
-            found -= np.tensordot(K, both, axes=((0, 2), (0, 1)))
-        return found
+            sums -= np.tensordot(K, both, axes=((0, 2), (0, 1)))
+        return sums
 
     def _of_models(
         self, t: Array, y: Array, a: Array, multipliers: Array, base: Array

@@ -61,7 +61,7 @@ def with_parameters(
     twice = {key for key in keys if list(keys).count(key) > 1}
     if twice:
         raise InputError(f"--of {few(twice)}: given twice")
-    found, wrong = list[tuple[str, float, CheckedSweep]](), list[str]()
+    given, wrong = list[tuple[str, float, CheckedSweep]](), list[str]()
     for key in keys:
         if key.startswith("solver."):
             raise InputError(f"--of {key}: expected a number of the mechanism, not of its solution")
@@ -85,9 +85,9 @@ def with_parameters(
                 f"--of {key}: changes the package of {few(sorted(changed))}; expected a number of "
                 "the mechanism, or a parameter whose derivatives the package has (/design)"
             )
-        found.append((key, value, members))
+        given.append((key, value, members))
     refuse(wrong)
-    return case, found
+    return case, given
 
 
 def parameter_of(spec: RunSpec, key: str, value: float, sweep: CheckedSweep) -> Parameter:
@@ -148,13 +148,13 @@ def combined(spec: RunSpec, names: Sequence[str]) -> tuple[RunSpec, Array]:
     for name in names:
         if not changes[name]:
             raise _without_derivatives(spec, name)
-    found, shares = independent(values, list(changes.values()), SAME)
+    ways, shares = independent(values, list(changes.values()), SAME)
     designs = {
         body: tuple(
             Derivative(
                 str(k), "number", (), {path: rate for (b, path), rate in each.items() if b == body}
             )
-            for k, each in enumerate(found)
+            for k, each in enumerate(ways)
         )
         for body in spec.packages
     }
@@ -205,9 +205,9 @@ def start_tangent(model: Model, y0: Array, minus: Array, plus: Array, h: float) 
     return np.concatenate([x, change[model.n_pos : -1]])
 
 
-def check_variant(parameter: Parameter, found: Variant, base: Model, t_end: float) -> None:
+def check_variant(parameter: Parameter, variant: Variant, base: Model, t_end: float) -> None:
     """Raise InputError if the parameter changes more than the numbers of the model."""
-    model = found.built.model
+    model = variant.built.model
     for name in ("n_pos", "n_vel", "n_constraint", "n_aux"):
         if getattr(model, name) != getattr(base, name):
             raise InputError(f"{parameter.name}: changes the equations, not only their numbers")

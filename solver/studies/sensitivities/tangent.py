@@ -119,11 +119,11 @@ class Tangent:
         Returns S at `times` (m,), behind the beginning and not behind the end of the steps,
         (m, 2 n_vel + n_aux, P).
         """
-        found = np.empty((times.size, *self.S.shape))
+        values = np.empty((times.size, *self.S.shape))
         for equations in self.equations(steps):
             own = equations.own(times)
-            found[own] = self._over(equations, times[own])
-        return found
+            values[own] = self._over(equations, times[own])
+        return values
 
     def equations(self, steps: Steps, *, backwards: bool = False) -> Iterator[Equations]:
         """Yield the equations of steps without a jump between them, batch by batch."""
@@ -202,7 +202,7 @@ class Tangent:
 
     def _bent(self, steps: Steps) -> dict[int, Array]:
         """Return the steps with bends of forces along coordinates, and where: see `_split`."""
-        found: dict[int, list[tuple[float, float]]] = {}
+        ends: dict[int, list[tuple[float, float]]] = {}
         if not self._bends:
             return {}
         near = NEAR * self._size
@@ -216,10 +216,10 @@ class Tangent:
                 x = np.array([1.0])
                 if crossing[i]:
                     x = self._passage(steps, i, number, level, float(gap[i]))
-                found.setdefault(i, []).append((float(x[0]), float(early[i])))
+                ends.setdefault(i, []).append((float(x[0]), float(early[i])))
         return {
             i: np.array(sorted({x: e for x, e in [*parts, (1.0, 0.0), *parts]}.items()))
-            for i, parts in found.items()
+            for i, parts in ends.items()
         }
 
     def _passage(self, steps: Steps, i: int, number: int, level: float, before: float) -> Array:

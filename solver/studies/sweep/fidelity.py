@@ -51,23 +51,23 @@ def settle(sweep: SweepSpec) -> list[str]:
         members.append((drawn.member, (spec, of_check)))
     answer = checked_member(base, check, given) if given else shared_plan(base, check)
     model = answer.plan
-    found = {k: checked_member(*member, model) for k, member in members}
-    if given is None and any(one.verdict != "met" for one in found.values()):
+    answers = {k: checked_member(*member, model) for k, member in members}
+    if given is None and any(one.verdict != "met" for one in answers.values()):
         for k, (spec, of_check) in members:
-            if found[k].verdict != "met":
+            if answers[k].verdict != "met":
                 better = checked_member(spec, of_check, model, promote=True).plan
                 model = joined(model, of_model(better, spec))
         if model != answer.plan:
             answer = checked_member(base, check, model)
-            found = {k: checked_member(*member, model) for k, member in members}
+            answers = {k: checked_member(*member, model) for k, member in members}
     model = replace(model, inputs_sha256=digest)
-    lines = _lines(sweep, answer, found)
+    lines = _lines(sweep, answer, answers)
     if given is None:
         write_plan(file, model, [f"Plan of sweep {sweep.name} of case {sweep.case}.", *lines])
     content = {
         "plan": model.table(),
         "base": _entry(answer),
-        "members": {str(k): _entry(one) for k, one in found.items()},
+        "members": {str(k): _entry(one) for k, one in answers.items()},
         "lines": lines,
     }
     write_text(record_file(sweep.file), json.dumps(content, indent=1) + "\n")
@@ -89,15 +89,15 @@ def _entry(answer: Answer) -> dict[str, object]:
     }
 
 
-def _lines(sweep: SweepSpec, answer: Answer, found: Mapping[int, Answer]) -> list[str]:
+def _lines(sweep: SweepSpec, answer: Answer, answers: Mapping[int, Answer]) -> list[str]:
     """Return the plan and its checks in words; a member where it is too coarse is a warning."""
     names = [parameter.name for parameter in sweep.parameters]
     lines = [f"plan at the base: {_words(answer)}"]
-    for k, one in found.items():
+    for k, one in answers.items():
         values = zip(names, sweep.members[k].values, strict=True)
         where = ", ".join(f"{name} = {value:g}" for name, value in values)
         lines.append(f"checked at member {k} ({where}): {_words(one)}")
-    coarse = [str(k) for k, one in found.items() if one.verdict != "met"]
+    coarse = [str(k) for k, one in answers.items() if one.verdict != "met"]
     if coarse or answer.verdict != "met":
         places = ["the base"] if answer.verdict != "met" else []
         places += [f"member {k}" for k in coarse]

@@ -173,7 +173,7 @@ def _digests(result: SweepResult) -> list[str]:
 
     A restart computes rows with a wrong one again.
     """
-    found, signals, histories = [], sorted(result.signal_units), sorted(result.kept())
+    digests, signals, histories = [], sorted(result.signal_units), sorted(result.kept())
     for first in range(0, len(result.rows), BLOCK):
         block = replace(result, rows=result.rows[first : first + BLOCK])
         columns = [np.array([row.t_end for row in block.rows])]
@@ -186,8 +186,8 @@ def _digests(result: SweepResult) -> list[str]:
             texts = [row.key, row.status, row.message, row.code, *row.warnings]
             digest = hashlib.sha256("\0".join(texts).encode())
             digest.update(numbers.tobytes())
-            found.append(digest.hexdigest())
-    return found
+            digests.append(digest.hexdigest())
+    return digests
 
 
 def read_sweep(path: Path) -> SweepResult:
@@ -210,20 +210,20 @@ def believed_rows(path: Path) -> tuple[dict[str, Row], int]:
         As `read_sweep`, but for an altered file.
     """
     result, digests = _read(path, whole=False)
-    found = {
+    believed = {
         row.key: row
         for row, digest, own in zip(result.rows, digests, _digests(result), strict=True)
         if row.done and own == digest
     }
-    return found, len(result.rows) - result.count(PENDING) - len(found)
+    return believed, len(result.rows) - result.count(PENDING) - len(believed)
 
 
 def _read(path: Path, *, whole: bool) -> tuple[SweepResult, list[str]]:
     """Return a sweep and the digests of its rows; `whole`: of an unaltered file only."""
     with open_file(path, ResultError) as file:
-        found = get_text(file, "format")
-        if found != FORMAT:
-            raise ResultError(f"{path}: attribute format: expected {FORMAT!r}, this is {found!r}")
+        form = get_text(file, "format")
+        if form != FORMAT:
+            raise ResultError(f"{path}: attribute format: expected {FORMAT!r}, this is {form!r}")
         major, minor = version_of(path, file, ResultError)
         if major > FORMAT_VERSION[0]:
             raise ResultError(
@@ -267,8 +267,8 @@ def _load(path: Path, file: h5py.File) -> SweepResult:
                 cost={n: v[k] for n, v in numbers["cost"].items()},
             )
         rows.append(row)
-    words = {n: get_text(histories[n], "description") for n in series}
-    words |= {n: get_text(g, "description") for n, g in signals.items()}
+    descriptions = {n: get_text(histories[n], "description") for n in series}
+    descriptions |= {n: get_text(g, "description") for n, g in signals.items()}
     return SweepResult(
         **{n: get_text(file, {"name": "sweep"}.get(n, n)) for n in HEAD},
         parameter_names=tuple(_words(file["parameters/name"])),
@@ -276,7 +276,7 @@ def _load(path: Path, file: h5py.File) -> SweepResult:
         values=file["parameters/values"][()],
         t=histories["t"][()] if histories else np.zeros(0),
         signal_units=units,
-        signal_words=words,
+        signal_words=descriptions,
         rows=tuple(rows),
     )
 
@@ -334,8 +334,8 @@ def _column(values: Iterable[float | None]) -> Array:
     return np.array(list(values), dtype=float)
 
 
-def _write_texts(group: h5py.Group, name: str, words: Sequence[str]) -> None:
-    raw = [word.encode() for word in words]
+def _write_texts(group: h5py.Group, name: str, texts: Sequence[str]) -> None:
+    raw = [word.encode() for word in texts]
     size = max([1, *map(len, raw)])
     group[name] = np.array(raw, dtype=h5py.string_dtype("utf-8", size))
 

@@ -114,11 +114,11 @@ class SweepSpec(Table):
 
     def _tables(self, number: int) -> dict[str | None, dict[str, object]]:
         """Return the tables of one member, None, and of its other runs by name."""
-        member, found = self.members[number], dict[str | None, dict[str, object]]()
-        found[None] = put(self.table, member.changes)
+        member, tables = self.members[number], dict[str | None, dict[str, object]]()
+        tables[None] = put(self.table, member.changes)
         for run, variant in member.other_runs.items():
-            found[run] = put(self.other_runs[run], variant.changes)
-        return found
+            tables[run] = put(self.other_runs[run], variant.changes)
+        return tables
 
     def package_file(self, number: int) -> Path:
         """Return where a package lies."""
@@ -157,14 +157,14 @@ class SweepSpec(Table):
         common = [ROWS, __version__, solver_sha256(), self.signals, self.histories]
         if self.fidelity is not None:
             common.append(_content(self.model_plan_file))
-        contents, found = self._contents(), []
+        contents, digests = self._contents(), []
         for number, member in enumerate(self.members):
             used = [
                 {body: contents[k] for body, k in variant.packages.items()}
                 for variant in (member, *member.other_runs.values())
             ]
-            found.append(data_sha256([*common, [*self._tables(number).items()], used]))
-        return found
+            digests.append(data_sha256([*common, [*self._tables(number).items()], used]))
+        return digests
 
     def check_numbers(self) -> None:
         """Raise ValueError: lengths or numbers that do not fit each other."""
@@ -249,7 +249,7 @@ class Packages:
 
     def named(self, numbers: Mapping[str, int]) -> dict[str, ModalPackage]:
         """Return packages by body, given by their numbers in the plan. Raises PackageError."""
-        found = {}
+        packages = {}
         for body, k in numbers.items():
             if k not in self._known:
                 try:
@@ -259,5 +259,5 @@ class Packages:
             package = self._known[k]
             if isinstance(package, PackageError):
                 raise PackageError(str(package))
-            found[body] = package
-        return found
+            packages[body] = package
+        return packages

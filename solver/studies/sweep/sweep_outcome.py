@@ -109,9 +109,9 @@ def draw_signal(path: Path, result: SweepResult, name: str) -> Path:
             canvas = _map(result, name, varied)
     else:
         canvas = _points(result, name, varied)
-    words = result.signal_words[name] or name
+    label = result.signal_words[name] or name
     canvas.figure.suptitle(
-        f"{result.title}: {words}{unit_text(result.signal_units[name])}",
+        f"{result.title}: {label}{unit_text(result.signal_units[name])}",
         fontsize=10.5,
         fontweight="bold",
         x=0.02,
@@ -132,7 +132,7 @@ def _curves(result: SweepResult, name: str, along: int, few: int | None) -> Canv
     x = result.values[:, along]
     family = [None] if few is None else list(np.unique(result.values[:, few]))
     early = _early(result)
-    for axes, (measure, words) in zip(panels, SHOWN, strict=True):
+    for axes, (measure, title) in zip(panels, SHOWN, strict=True):
         y = result.signal(name, measure)
         for i, value in enumerate(family):
             own = np.ones(len(x), dtype=bool) if few is None else result.values[:, few] == value
@@ -142,7 +142,7 @@ def _curves(result: SweepResult, name: str, along: int, few: int | None) -> Canv
             axes.plot(x[order], line, "o-", markersize=3, color=colour(i), label=label)
             gone = order[early[order]]
             axes.plot(x[gone], y[gone], "x", color=colour(i), markersize=6)
-        axes.set(title=words, xlabel=_label(result, along))
+        axes.set(title=title, xlabel=_label(result, along))
     if few is not None:
         handles = panels[0].get_legend_handles_labels()
         canvas.figure.legend(*handles, loc="outside right center", title=_label(result, few))
@@ -157,7 +157,7 @@ def _map(result: SweepResult, name: str, varied: list[int]) -> Canvas:
     across, i_at = np.unique(result.values[:, i], return_inverse=True)
     up, j_at = np.unique(result.values[:, j], return_inverse=True)
     early = _early(result)
-    for axes, (measure, words) in zip(panels, SHOWN, strict=True):
+    for axes, (measure, label) in zip(panels, SHOWN, strict=True):
         field = np.full((len(up), len(across)), np.nan)
         field[j_at, i_at] = result.signal(name, measure)
         image = axes.pcolormesh(
@@ -165,7 +165,7 @@ def _map(result: SweepResult, name: str, varied: list[int]) -> Canvas:
         )
         axes.plot(result.values[early, i], result.values[early, j], "x", color=WARNING)
         axes.grid(False)
-        axes.set(title=words, xlabel=_label(result, i))
+        axes.set(title=label, xlabel=_label(result, i))
         canvas.figure.colorbar(image, ax=axes, label=_signal(result, name))
     panels[0].set_ylabel(_label(result, j))
     return canvas
@@ -176,14 +176,14 @@ def _points(result: SweepResult, name: str, varied: list[int]) -> Canvas:
     canvas = Canvas(3.2 * len(varied) + 0.6, 2.4 * len(SHOWN) + 0.4)
     panels = canvas.panels(len(SHOWN), len(varied), sharex="col", sharey="row")
     early = _early(result)
-    for row, (measure, words) in enumerate(SHOWN):
+    for row, (measure, label) in enumerate(SHOWN):
         y = result.signal(name, measure)
         for column, i in enumerate(varied):
             axes, x = panels[row * len(varied) + column], result.values[:, i]
             axes.plot(x[~early], y[~early], "o", markersize=3, color=colour(0))
             axes.plot(x[early], y[early], "x", color=WARNING)
             if column == 0:
-                axes.set_ylabel(f"{words}\n{_signal(result, name)}", color=INK)
+                axes.set_ylabel(f"{label}\n{_signal(result, name)}", color=INK)
             if row == len(SHOWN) - 1:
                 axes.set_xlabel(_label(result, i))
     return canvas

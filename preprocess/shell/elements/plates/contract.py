@@ -55,11 +55,11 @@ class PlateStrains(NamedTuple):
 
 def side_differences(t: Cell) -> list[Any]:
     """Aw_k = w_i - w_j - (L_k/2) t_k.(b_i + b_j) [m] of each side."""
-    found = []
+    differences = []
     for (i, j), L, (C, S) in zip(t.sides, t.length, t.tangent, strict=True):
         a, b = t.corners[i], t.corners[j]
-        found.append(a.w - b.w - 0.5 * L * (C * (a.bx + b.bx) + S * (a.by + b.by)))
-    return found
+        differences.append(a.w - b.w - 0.5 * L * (C * (a.bx + b.bx) + S * (a.by + b.by)))
+    return differences
 
 
 def curvature(t: Cell, alpha: list[Any] | None) -> list[Any]:
@@ -108,14 +108,14 @@ def shear_ratio(D: Any, Ds: Any, tangent: Any, length: Any) -> Any:
 
 def side_ratios(t: Cell) -> list[Any]:
     """`shear_ratio` of each side, of quadrilaterals with the part of the width."""
-    found = []
+    ratios = []
     for k in range(t.k):
         phi = shear_ratio(t.D, t.Ds, t.tangent[k], t.length[k])
         if t.k == 4:
             width = phi * t.width_ratio[k]
             phi = phi + width + width**2
-        found.append(phi)
-    return found
+        ratios.append(phi)
+    return ratios
 
 
 @dataclass(frozen=True)

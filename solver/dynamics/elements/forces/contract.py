@@ -253,13 +253,13 @@ class Element(KernelForce):
     def numbers(self, values: Mapping[str, Any], shift: Array) -> tuple[float, ...]:
         """Return the parameters of an element with these keys; see `complete`."""
         complete = self.complete(values, shift)
-        found: list[float] = []
+        flat: list[float] = []
         for key in self.keys:
             if isinstance(key, Number):
-                found.append(float(complete[key.name]))
+                flat.append(float(complete[key.name]))
             elif isinstance(key, Three):
-                found += [float(value) for value in complete[key.name]]
-        return tuple(found)
+                flat += [float(value) for value in complete[key.name]]
+        return tuple(flat)
 
 
 def _names(key: Key) -> list[str]:
@@ -270,9 +270,9 @@ def _names(key: Key) -> list[str]:
 
 def _check(kind: str, what: str, kernel: Callable[..., Any]) -> None:
     """Raise ValueError unless a kernel takes four arguments."""
-    found = tuple(inspect.signature(getattr(kernel, "py_func", kernel)).parameters)
-    if found[:3] != OF_ALL or len(found) != len(OF_ALL) + 1:
-        raise ValueError(f"{kind}: its {what} takes {found}: expected {OF_ALL} and one more")
+    parameters = tuple(inspect.signature(getattr(kernel, "py_func", kernel)).parameters)
+    if parameters[:3] != OF_ALL or len(parameters) != len(OF_ALL) + 1:
+        raise ValueError(f"{kind}: its {what} takes {parameters}: expected {OF_ALL} and one more")
 
 
 __all__ = [

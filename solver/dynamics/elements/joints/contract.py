@@ -90,9 +90,11 @@ class Constraint:
     def _check(self, numbers: tuple[str, ...]) -> None:
         """Raise ValueError unless the kernel takes these numbers."""
         kernel = getattr(self.rows, "py_func", self.rows)
-        found = tuple(inspect.signature(kernel).parameters)
-        if found != (*OF_ALL, *numbers):
-            raise ValueError(f"{self.kind}: its kernel takes {found}: expected {OF_ALL + numbers}")
+        parameters = tuple(inspect.signature(kernel).parameters)
+        if parameters != (*OF_ALL, *numbers):
+            raise ValueError(
+                f"{self.kind}: its kernel takes {parameters}: expected {OF_ALL + numbers}"
+            )
 
 
 @dataclass(frozen=True)

@@ -282,9 +282,9 @@ def beam_spec(
         What is wrong with the body, one line each.
     """
     key = f"bodies.{name}"
-    stations, sources, found = _stations(key, body, mechanism, folder)
-    found += check_motion(key, body)
-    refuse(found)
+    stations, sources, errors = _stations(key, body, mechanism, folder)
+    errors += check_motion(key, body)
+    refuse(errors)
     line = None if is_plain(body) else line_of(body)
     nodes = None if line is None else division(body, line)
     own = {
@@ -308,19 +308,21 @@ def beam_spec(
 def with_sections(body: BeamBody) -> list[BeamStation]:
     """Return the stations of a beam, rising, with the section, material and ply angle there."""
     own = {"material": body.material, "ply_angle_deg": body.ply_angle_deg}
-    found = []
+    stations = []
     for station in body.stations:
         absent = {k: v for k, v in own.items() if getattr(station, k) is None}
-        found.append(station.model_copy(update=absent) if station.section is not None else station)
-    if all(station.at > 0.0 for station in found):
+        stations.append(
+            station.model_copy(update=absent) if station.section is not None else station
+        )
+    if all(station.at > 0.0 for station in stations):
         first = BeamStation(
             at=0.0,
             section=body.section,
             material=body.material,
             ply_angle_deg=body.ply_angle_deg,
         )
-        found.insert(0, first)
-    return sorted(found, key=lambda station: station.at)
+        stations.insert(0, first)
+    return sorted(stations, key=lambda station: station.at)
 
 
 def _length(body: BeamBody) -> float:
@@ -333,7 +335,7 @@ def _stations(
     """Return places and sections, files that they are made from, and what is wrong."""
     stations: list[tuple[float, dict[str, object]]] = []
     sources: list[Path] = []
-    found: list[str] = []
+    errors: list[str] = []
     for station in with_sections(body):
         if station.section is None:
             stations.append((station.at, given_section(station)))
@@ -345,25 +347,25 @@ def _stations(
                 section, files = section_spec(station, mechanism, folder)
         stations.append((station.at, section))
         sources += files
-        found += wrong
+        errors += wrong
     if body.table is not None:
         sources.append(folder / body.table)
-    return stations, sources, found
+    return stations, sources, errors
 
 
 def check_motion(key: str, body: BeamBody) -> list[str]:
     """Return what is wrong with a beam's modes, line, axes and elements; `key` names it."""
     places = fractions(body)
-    found = check_modes(key, body.reference, body.modes, places)
+    errors = check_modes(key, body.reference, body.modes, places)
     if not body.modes and body.segments == 1:
-        found.append(f"{key}.modes: missing; expected at least one")
+        errors.append(f"{key}.modes: missing; expected at least one")
     x2 = np.array(body.x2_axis)
     if abs(np.linalg.norm(x2) - 1.0) > 1e-9 or abs(x2[0]) > 1e-9:
-        found.append(f"{key}.x2_axis = {body.x2_axis}: expected a unit vector normal to body x")
-    found += _check_line(key, body)
+        errors.append(f"{key}.x2_axis = {body.x2_axis}: expected a unit vector normal to body x")
+    errors += _check_line(key, body)
     at = [station.at for station in body.stations]
     if any(b <= a for a, b in pairwise(at)):
-        found.append(f"{key}.stations: at = {at}: expected rising fractions of the length")
+        errors.append(f"{key}.stations: at = {at}: expected rising fractions of the length")
     inner = {station.at for station in body.stations if 0.0 < station.at < 1.0}
     least = len({0.0, 1.0, *places.values(), *inner}) - 1
     has_nodes = body.line is not None and body.line.nodes is not None
@@ -371,50 +373,50 @@ def check_motion(key: str, body: BeamBody) -> list[str]:
         reason = "every interface and station needs a node, every segment an element"
         if not inner and body.segments == 1:
             reason = "every interface needs a node"
-        found.append(
+        errors.append(
             f"{key}.elements = {body.elements}: expected at least {max(least, body.segments)}: "
             f"{reason}"
         )
-    if not found and body.reference.kind == "chord" and body.line is not None:
+    if not errors and body.reference.kind == "chord" and body.line is not None:
         line = line_of(body)
         for name in body.reference.places:
             (place,) = line.place(np.array([places[name]]))
             if np.abs(place[1:]).max() > ON_AXIS * line.length and body.segments == 1:
-                found.append(
+                errors.append(
                     f"{key}.reference.at: interface {name} is at {place.round(6).tolist()}: "
                     "expected a place on body x, along which a chord runs"
                 )
-    return found
+    return errors
 
 
 def _check_line(key: str, body: BeamBody) -> list[str]:
-    line, found = body.line, []
+    line, errors = body.line, []
     if line is None or line.arc_deg is not None:
         if body.length is None:
-            found.append(f"{key}.length: missing; expected the length of the beam")
+            errors.append(f"{key}.length: missing; expected the length of the beam")
         if line is not None:
             axis = np.array(line.axis)
             if line.arc_deg == 0.0:
-                found.append(f"{key}.line.arc_deg = 0: expected an angle; without `line` straight")
+                errors.append(f"{key}.line.arc_deg = 0: expected an angle; without `line` straight")
             if not np.linalg.norm(axis) > 0.0 or abs(axis[0]) > 1e-9 * np.linalg.norm(axis):
-                found.append(f"{key}.line.axis = {line.axis}: expected a vector normal to body x")
+                errors.append(f"{key}.line.axis = {line.axis}: expected a vector normal to body x")
     elif body.length is not None:
-        found.append(f"{key}.length = {body.length:g}: expected none, the line has a length")
+        errors.append(f"{key}.length = {body.length:g}: expected none, the line has a length")
     if line is not None and line.nodes is not None:
         if len(line.x2_axes or []) != len(line.nodes) - 1:
-            found.append(
+            errors.append(
                 f"{key}.line.x2_axes: {len(line.x2_axes or [])} axes; expected one for each of "
                 f"{len(line.nodes) - 1} elements"
             )
         if body.twist_deg:
-            found.append(f"{key}.twist_deg: expected none, the nodes have axes")
+            errors.append(f"{key}.twist_deg: expected none, the nodes have axes")
     points = getattr(line, "points", None) or getattr(line, "nodes", None)
     if points and np.linalg.norm(np.diff(np.array(points), axis=0), axis=1).min() == 0.0:
-        found.append(f"{key}.line: two neighbouring points are the same")
+        errors.append(f"{key}.line: two neighbouring points are the same")
     at = [pair[0] for pair in body.twist_deg]
     if any(b <= a for a, b in pairwise(at)):
-        found.append(f"{key}.twist_deg: expected rising fractions of the length, found {at}")
+        errors.append(f"{key}.twist_deg: expected rising fractions of the length, found {at}")
     spinning = [mode.kind for mode in body.modes if mode.kind.startswith("spinning-")]
     if line is not None and spinning:
-        found.append(f'{key}.modes: kind = "{spinning[0]}": expected a straight beam')
-    return found
+        errors.append(f'{key}.modes: kind = "{spinning[0]}": expected a straight beam')
+    return errors

@@ -136,19 +136,19 @@ def shell_body_spec(
     except InputError as error:
         raise under(f"{key}.shell", error) from error
     mesh = Path(shell["mesh"]["file"])
-    found = _groups(key, body, mesh) + check_places(key, body)
+    errors = _groups(key, body, mesh) + check_places(key, body)
     for i, mode in enumerate(body.modes):
         where = f'{key}.modes[{i}].kind = "{mode.kind}"'
         if mode.kind == "torsion":
-            found.append(
+            errors.append(
                 f'{where}: expected "lowest", "bending-xy", "bending-xz" or "axial": a shell that '
                 "twists moves along y and z"
             )
         elif isinstance(mode, SpinningChoice):
-            found.append(
+            errors.append(
                 f'{where}: expected "attachment" or "static-axial": the static shapes of a shell'
             )
-    refuse(found)
+    refuse(errors)
     own = {"body": name, "kind": "shell", "shell": shell, "mass_form": body.mass_form}
     spec = cast(ShellSpecification, {**own, **reduction(body)})
     return spec, [folder / body.shell, mesh]
@@ -203,13 +203,13 @@ def solid_body_spec(
         _, solid = solid_table(kept, file, body.size)
     except InputError as error:
         raise under(f"{key}.solid", error) from error
-    found = check_places(key, body) + [
+    errors = check_places(key, body) + [
         f'{key}.modes[{i}].kind = "{mode.kind}": expected "lowest" or "attachment": the modes of '
         "a solid"
         for i, mode in enumerate(body.modes)
         if not _of_solids(mode)
     ]
-    refuse(found)
+    refuse(errors)
     own = {"body": name, "kind": "solid", "solid": solid}
     spec = cast(SolidSpecification, {**own, **reduction(body)})
     return spec, [file, Path(solid["mesh"]["file"])]

@@ -69,13 +69,13 @@ def in_segments(mechanism: Mechanism) -> Mechanism:
 
 def check_names(mechanism: Mechanism) -> list[str]:
     """Return bodies and joints of the case that have the name of a segment or of its joint."""
-    found = []
+    errors = []
     for name, body in mechanism.bodies.items():
         if not (isinstance(body, BeamBody) and body.segments > 1):
             continue
         own = [segment_name(name, k) for k in range(body.segments)]
         between = [joint_name(name, k) for k in range(body.segments - 1)]
-        found += [
+        errors += [
             f"{table}.{taken}: expected another name, it is that of a part of body {name}"
             for table, names, known in (
                 ("bodies", own, mechanism.bodies),
@@ -85,11 +85,11 @@ def check_names(mechanism: Mechanism) -> list[str]:
             if taken in known
         ]
         if body.reference.kind == "mean-axis":
-            found.append(
+            errors.append(
                 f'bodies.{name}.reference.kind = "mean-axis": expected clamped or chord with '
                 "`segments`; deflections are relative to it"
             )
-    return found
+    return errors
 
 
 def segment_name(body: str, k: int) -> str:
@@ -130,7 +130,7 @@ class _Divided:
         """Return the tables of the segments from that of the body."""
         start = np.array(table["position"])
         A_GB = vector_to_matrix(np.radians(table["rotation_deg"]))
-        found = {}
+        segments = {}
         for k in range(self.count):
             shape, origin, A_BS = self._shape(k)
             interfaces: dict[str, object] = {"start": {"at": "start"}, "end": {"at": "end"}}
@@ -150,8 +150,8 @@ class _Divided:
                 "rotation_deg": turn.tolist(),
                 **_velocities(table, origin, A_GB, A_BS, first=k == 0),
             }
-            found[segment_name(self.name, k)] = own
-        return found
+            segments[segment_name(self.name, k)] = own
+        return segments
 
     def joints(self) -> dict[str, object]:
         """Return the joints between neighbouring segments."""

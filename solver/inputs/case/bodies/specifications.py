@@ -65,18 +65,18 @@ def _files(table: Mapping[str, Any], file: Path, key: str) -> dict[str, Path]:
     named = table.get("files")
     if not isinstance(named, dict) or not all(isinstance(v, str) for v in named.values()):
         raise InputError(f"{key}: files = {named!r}: expected a table of paths")
-    found = {}
+    files = {}
     for word, name in named.items():
         path = file.parent / name
         if not path.is_file():
             listed = [item.name for item in path.parent.glob("*")] if path.parent.is_dir() else []
             hint = nearest(path.name, listed)
             raise InputError(f"{key}: files.{word} = {name!r}: no such file{hint}")
-        found[name] = path
+        files[name] = path
         if word == "deck":
             beside = [path.with_suffix(suffix) for suffix in (".sti", ".mas", ".dof")]
-            found |= {item.name: item for item in beside if item.is_file()}
-    return found
+            files |= {item.name: item for item in beside if item.is_file()}
+    return files
 
 
 # Where a body starts, and what a run uses of it, say nothing about its package.
@@ -178,26 +178,26 @@ def check_fidelity(mechanism: Mechanism) -> list[str]:
     fidelity = mechanism.fidelity
     if fidelity is None:
         return []
-    found = []
+    errors = []
     for name in fidelity.signals or []:
-        found += unknown("fidelity.signals", name, "signal", mechanism.signals)
+        errors += unknown("fidelity.signals", name, "signal", mechanism.signals)
     for name in fidelity.signals or mechanism.signals:
         signal = mechanism.signals.get(name)
         if isinstance(signal, PlyStressSignal) and signal.point is None:
-            found.append(
+            errors.append(
                 f"signals.{name}.point: missing; expected with [fidelity], because the point of "
                 "the largest stress is another one in each run"
             )
     if not mechanism.signals:
-        found.append("fidelity: expected at least one signal in the case")
+        errors.append("fidelity: expected at least one signal in the case")
     if mechanism.solver.error_bars:
-        found.append("solver.error_bars: expected false with [fidelity], which states errors")
+        errors.append("solver.error_bars: expected false with [fidelity], which states errors")
     for name, body in mechanism.bodies.items():
         if isinstance(body, Reducible) and body.reduced is not None:
-            found.append(
+            errors.append(
                 f"bodies.{name}.reduced: expected none with [fidelity], which chooses the modes"
             )
-    return found
+    return errors
 
 
 def rich_bodies(name: str, mechanism: Mechanism) -> tuple[Any, Any]:

@@ -66,8 +66,8 @@ class Spline:
 
     def tangent(self, s: Array) -> Array:
         """Unit tangents (m, 3) at fractions of the length."""
-        found = self._curve(self.parameter(s), 1)
-        return np.asarray(found / np.linalg.norm(found, axis=1, keepdims=True))
+        slope = self._curve(self.parameter(s), 1)
+        return np.asarray(slope / np.linalg.norm(slope, axis=1, keepdims=True))
 
 
 UPPER = [(i, j) for i in range(6) for j in range(i, 6)]
@@ -124,8 +124,8 @@ def _matrix(values: dict[str, Array], letter: str, k: int) -> list[list[float]]:
     matrix = np.zeros((6, 6))
     for i, j in UPPER:
         matrix[i, j] = matrix[j, i] = values[f"{letter}{i + 1}{j + 1}"][k]
-    found: list[list[float]] = matrix.tolist()
-    return found
+    rows: list[list[float]] = matrix.tolist()
+    return rows
 
 
 def _read(file: Path) -> dict[str, Array]:

@@ -136,13 +136,15 @@ def check_modes(
         for i, mode in enumerate(modes)
         if isinstance(mode, AttachmentChoice)
     ]
-    found = []
+    errors = []
     for where, place in asked:
         if place not in fractions:
             default = where.endswith("reference.at") and place == DEFAULT_PLACE
             note = " (the default)" if default else ""
-            found.append(f'{where} = "{place}"{note}: no such interface{nearest(place, fractions)}')
-    found += [
+            errors.append(
+                f'{where} = "{place}"{note}: no such interface{nearest(place, fractions)}'
+            )
+    errors += [
         f'{key}.modes[{i}].kind = "{mode.kind}": expected reference.kind "clamped" or "chord" with '
         "it: a mean axis carries its first load"
         for i, mode in enumerate(modes)
@@ -152,17 +154,17 @@ def check_modes(
     ]
     places = [fractions[place] for place in reference.places if place in fractions]
     if len(places) == 2 and places[0] == places[1]:
-        found.append(f"{key}.reference.at = {reference.at}: expected two different places")
-    return found
+        errors.append(f"{key}.reference.at = {reference.at}: expected two different places")
+    return errors
 
 
 def check_places(key: str, body: Any) -> list[str]:
     """Return the same of a shell or solid, and errors in the interfaces that carry its frame."""
     reference, places = body.reference, {name: float(i) for i, name in enumerate(body.interfaces)}
-    found = check_modes(key, reference, body.modes, places)
+    errors = check_modes(key, reference, body.modes, places)
     if reference.kind == "mean-axis" and reference.places:
-        found.append(f"{key}.reference.at = {reference.at}: expected none of a {body.kind}")
-    return found + [
+        errors.append(f"{key}.reference.at = {reference.at}: expected none of a {body.kind}")
+    return errors + [
         f'{key}.interfaces.{place}.link = "{body.interfaces[place].link}": expected "rigid": it '
         "carries the body frame"
         for place in reference.places

@@ -250,9 +250,9 @@ class Study(Table):
     @property
     def objective(self) -> Quantity:
         """What is made small or large."""
-        found = self.minimise or self.maximise
-        assert found is not None
-        return found
+        quantity = self.minimise or self.maximise
+        assert quantity is not None
+        return quantity
 
     def quantities(self) -> list[Quantity]:
         """Return the objective, then the limits, then what `front` names."""

@@ -145,8 +145,8 @@ class PythonCode(Table):
         context = info.context or {}
         if context.get(RESOLVED) or not isinstance(data, dict):
             return data
-        if found := [key for key in ("source", "modules", "reads") if key in data]:
-            raise ValueError(f"expected `file` and `function` only; found `{found[0]}`")
+        if extra := [key for key in ("source", "modules", "reads") if key in data]:
+            raise ValueError(f"expected `file` and `function` only; found `{extra[0]}`")
         if not isinstance(data.get("file"), str):
             return data
         file = Path(context.get(FOLDER, ".")) / data["file"]
@@ -233,8 +233,8 @@ class _Law(Table):
         known = [n for n in type(self).model_fields if n in LAWS]
         given = [name for name in known if getattr(self, name) is not None]
         if len(given) != 1:
-            found = f"; found {' and '.join(given)}" if given else ""
-            raise ValueError(f"expected one law of {', '.join(known)}{found}")
+            given_laws = f"; found {' and '.join(given)}" if given else ""
+            raise ValueError(f"expected one law of {', '.join(known)}{given_laws}")
         offset = getattr(self, "angle", 0.0) or getattr(self, "displacement", 0.0)
         if offset and given[0] not in ("speed", "ramp"):
             raise ValueError(

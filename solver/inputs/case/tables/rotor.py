@@ -95,8 +95,8 @@ class Wind(Table):
     @model_validator(mode="before")
     @classmethod
     def _from_file(cls, data: Any, info: ValidationInfo) -> Any:
-        found, rows = _of(data, info, "file", WIND, (), WIND)
-        return {**found, **{key: [row[key] for row in rows] for key in WIND}} if rows else found
+        table, rows = _of(data, info, "file", WIND, (), WIND)
+        return {**table, **{key: [row[key] for row in rows] for key in WIND}} if rows else table
 
     _file = field_validator("file", mode="before")(_readable)
 
@@ -156,20 +156,20 @@ class Rotor(Table):
     @model_validator(mode="before")
     @classmethod
     def _from_files(cls, data: Any, info: ValidationInfo) -> Any:
-        found, rows = _of(data, info, "table", SECTION, ("place", "polar"), ("sections",))
+        table, rows = _of(data, info, "table", SECTION, ("place", "polar"), ("sections",))
         if rows:  # files are in SI, what is checked below in the unit of the case
             per_metre = 1.0 / LENGTHS[unit_of(info)]
             lengths = ({key: row[key] * per_metre for key in SECTION[:3]} for row in rows)
-            found["sections"] = [{**row, **each} for row, each in zip(rows, lengths, strict=True)]
-        found, rows = _of(found, info, "polar_table", POLAR, ("polar",), ("polars",))
+            table["sections"] = [{**row, **each} for row, each in zip(rows, lengths, strict=True)]
+        table, rows = _of(table, info, "polar_table", POLAR, ("polar",), ("polars",))
         if rows:
             polars: dict[str, dict[str, list[float]]] = {}
             for row in rows:
                 polar = polars.setdefault(row["polar"], {key: [] for key in POLAR})
                 for key in POLAR:
                     polar[key].append(row[key])
-            found["polars"] = polars
-        return found
+            table["polars"] = polars
+        return table
 
     _files = field_validator("table", "polar_table", mode="before")(_readable)
 
@@ -187,7 +187,7 @@ def _of(
     info: ValidationInfo,
     key: str,
     numbers: tuple[str, ...],
-    words: tuple[str, ...],
+    texts: tuple[str, ...],
     others: tuple[str, ...],
 ) -> tuple[Any, list[dict[str, Any]]]:
     """Return a table, and the rows of the file at its key; none if it is not to be read now.
@@ -201,13 +201,13 @@ def _of(
         if given := [other for other in others if other in data]:
             raise ValueError(f"expected no `{given[0]}` beside `{key}`")
         return dict(data), _rows(
-            Path(context.get(FOLDER, ".")) / usable_path(data[key]), numbers, words
+            Path(context.get(FOLDER, ".")) / usable_path(data[key]), numbers, texts
         )
     except ValueError as error:
         return {**data, key: _Unreadable(data[key], str(error))}, []
 
 
-def _rows(file: Path, numbers: tuple[str, ...], words: tuple[str, ...]) -> list[dict[str, Any]]:
+def _rows(file: Path, numbers: tuple[str, ...], texts: tuple[str, ...]) -> list[dict[str, Any]]:
     """Return the rows of a file by column; without words, columns are in order, under any names
     but those of other columns.
 
@@ -217,16 +217,16 @@ def _rows(file: Path, numbers: tuple[str, ...], words: tuple[str, ...]) -> list[
     """
     lines = numbered_lines(file)
     table = list(csv.reader(line for _, line in lines))
-    columns = (*words, *numbers)
-    head = [name.strip() for name in table[0]] if words and table else list(numbers)
+    columns = (*texts, *numbers)
+    head = [name.strip() for name in table[0]] if texts and table else list(numbers)
     if missing := [name for name in columns if name not in head]:
         raise ValueError(f"{file}: column {missing[0]!r} is missing; expected {', '.join(columns)}")
     stems = [key[:4] for key in numbers]
-    names = [name.strip().lower()[:4] for name in table[0]] if table and not words else []
+    names = [name.strip().lower()[:4] for name in table[0]] if table and not texts else []
     if any(a in stems and a != b for a, b in zip(names, stems, strict=False)):
         order = ", ".join(numbers)
         raise ValueError(f"{file}: columns {','.join(table[0])!r}; expected {order} in this order")
-    found = []
+    rows = []
     for (line, _), row in zip(lines, table, strict=True):
         cells = dict(zip(head, (cell.strip() for cell in row), strict=False))
         if line == lines[0][0] and not is_number(cells.get(numbers[0], "")):
@@ -238,5 +238,5 @@ def _rows(file: Path, numbers: tuple[str, ...], words: tuple[str, ...]) -> list[
             raise ValueError(f"{file} line {line}: {text}") from error
         if len(row) != len(head) or not np.isfinite(list(values.values())).all():
             raise ValueError(f"{file} line {line}: expected {len(head)} finite values")
-        found.append({**{key: cells[key] for key in words}, **values})
-    return found
+        rows.append({**{key: cells[key] for key in texts}, **values})
+    return rows

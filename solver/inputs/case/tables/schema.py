@@ -270,8 +270,8 @@ class Mechanism(Table):
         if unit == "m" or not isinstance(forces, dict):
             return data
         joints = data.get("joints") if isinstance(data.get("joints"), dict) else {}
-        found = {k: with_metres(v, unit, lengths_along(v, joints)) for k, v in forces.items()}
-        return {**data, "forces": found}
+        lengths = {k: with_metres(v, unit, lengths_along(v, joints)) for k, v in forces.items()}
+        return {**data, "forces": lengths}
 
     @model_validator(mode="before")
     @classmethod
@@ -280,7 +280,7 @@ class Mechanism(Table):
         joints, signals = (isinstance(data, dict) and data.get(k) for k in ("joints", "signals"))
         if not isinstance(joints, dict) or not isinstance(signals, dict):
             return data
-        found = dict(signals)
+        completed = dict(signals)
         for name, signal in signals.items():
             if isinstance(signal, dict) and signal.get("kind") == "joint":
                 joint = joints.get(str(signal.get("joint")))
@@ -289,8 +289,8 @@ class Mechanism(Table):
                 kind = joint.get("kind") if isinstance(joint, dict) else None
                 free = JOINTS[kind].coordinates if isinstance(kind, str) and kind in JOINTS else ()
                 if len(free) == 1 and signal.get("coordinate") is None:
-                    found[name] = {**signal, "coordinate": free[0].name}
-        return {**data, "signals": found}
+                    completed[name] = {**signal, "coordinate": free[0].name}
+        return {**data, "signals": completed}
 
 
 class Run(Table):
@@ -396,17 +396,17 @@ def mechanism_of(
         try:
             return Mechanism.model_validate(table, context=context), texts
         except ValidationError as error:
-            found = {}
+            values = {}
             for item in error.errors():
                 if item["type"] in ("float_type", "int_type") and isinstance(item["input"], str):
                     key = ".".join(map(str, follow(Mechanism, item["loc"])[0]))
                     value = number_of(item["input"], numbers)
                     if value is not None and not key.startswith("parameters."):
-                        found[key], texts[key] = value, item["input"]
-            if not found:
+                        values[key], texts[key] = value, item["input"]
+            if not values:
                 raise _explained(error, numbers) from None
             try:
-                table = put(table, found)
+                table = put(table, values)
             except (LookupError, TypeError, ValueError):  # a text that stands for a whole table
                 raise error from None
 
@@ -452,10 +452,10 @@ def resolved(table: Mapping[str, Any], where: str) -> Mechanism:
     InputError
         A file that was not written by `check`, or by another version; `where` names it.
     """
-    found = validated(Mechanism, table, where, **{RESOLVED: True})
-    if wrong := output_findings(found):
+    mechanism = validated(Mechanism, table, where, **{RESOLVED: True})
+    if wrong := output_findings(mechanism):
         raise InputError("\n".join(f"{where}: {line}" for line in wrong))
-    return found
+    return mechanism
 
 
 def split_key(key: str) -> list[str]:
@@ -473,16 +473,16 @@ def put(table: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, objec
 
     What does not change is shared with `table`.
     """
-    found = dict(table)
+    changed = dict(table)
     for key, value in changes.items():
-        here: Any = found
+        here: Any = changed
         *way, last = split_key(key)
         for part in way:
             place: Any = int(part) if isinstance(here, list) else part
             here[place] = copy(here[place])
             here = here[place]
         here[int(last) if isinstance(here, list) else last] = value
-    return found
+    return changed
 
 
 def changed_mechanism(mechanism: Mechanism, changes: Mapping[str, Any]) -> Mechanism:

@@ -31,8 +31,8 @@ def shape(name: str) -> Shape:
 
 def walls(name: str, values: Mapping[str, Any]) -> tuple[Wall, ...]:
     """Regions of a shape of these sizes."""
-    found = shape(name)
-    return found.walls if found.walls_of is None else found.walls_of(values)
+    chosen = shape(name)
+    return chosen.walls if chosen.walls_of is None else chosen.walls_of(values)
 
 
 def expand(name: str, values: Mapping[str, Any], layers: Layers | None = None) -> SectionMeshTable:

@@ -31,11 +31,11 @@ def corners(values: Mapping[str, Any]) -> tuple[Array, list[int]]:
 def walls(values: Mapping[str, Any]) -> tuple[Wall, ...]:
     """Regions wall-1, wall-2, ... in the order of the points."""
     points, numbers = corners(values)
-    found = {}
+    walls_by_number = {}
     for number, way in zip(numbers, np.diff(points, axis=0), strict=True):
         direction: LayerDirection = {"vector": [float(x) for x in way]}
-        found[number] = Wall(f"wall-{number}", direction, "wall")
-    return tuple(found[number] for number in sorted(found))
+        walls_by_number[number] = Wall(f"wall-{number}", direction, "wall")
+    return tuple(walls_by_number[number] for number in sorted(walls_by_number))
 
 
 def mesh(values: Values, plies: Plies) -> SectionMeshTable:
@@ -102,23 +102,23 @@ def _columns(
 ) -> Array:
     """From each point to the outer face, where the faces of both walls meet, (n + 1, 2) [m]."""
     n = len(numbers)
-    found = np.empty((n + 1, 2))
-    found[0], found[n] = 0.5 * thickness[0] * left[0], 0.5 * thickness[-1] * left[-1]
+    columns = np.empty((n + 1, 2))
+    columns[0], columns[n] = 0.5 * thickness[0] * left[0], 0.5 * thickness[-1] * left[-1]
     for k in range(0 if closed else 1, n):
         pair = [k - 1, k]
         sine = along[k - 1, 0] * along[k, 1] - along[k - 1, 1] * along[k, 0]
         if abs(sine) > PARALLEL:
-            found[k] = np.linalg.solve(left[pair], 0.5 * thickness[pair])
+            columns[k] = np.linalg.solve(left[pair], 0.5 * thickness[pair])
         elif along[k - 1] @ along[k] < 0.0 or np.ptp(thickness[pair]) > PARALLEL * thickness[k]:
             raise InputError(
                 f"wall-{numbers[k - 1]} and wall-{numbers[k]} are in one line: expected equal "
                 "thicknesses, and no way back"
             )
         else:
-            found[k] = 0.5 * thickness[k] * left[k]
+            columns[k] = 0.5 * thickness[k] * left[k]
     if closed:
-        found[n] = found[0]
-    return found
+        columns[n] = columns[0]
+    return columns
 
 
 def _apart(points: Array, numbers: list[int], thickness: Array, closed: bool) -> None:
@@ -139,11 +139,11 @@ def _distance(one: Array, two: Array) -> float:
         s, t = (r[0] * b[1] - r[1] * b[0]) / sine, (r[0] * a[1] - r[1] * a[0]) / sine
         if 0.0 <= s <= 1.0 and 0.0 <= t <= 1.0:
             return 0.0
-    found = []
+    distances = []
     for point, start, way in (*((p, two[0], b) for p in one), *((p, one[0], a) for p in two)):
         share = np.clip((point - start) @ way / (way @ way), 0.0, 1.0)
-        found.append(float(np.linalg.norm(point - start - share * way)))
-    return min(found)
+        distances.append(float(np.linalg.norm(point - start - share * way)))
+    return min(distances)
 
 
 SHAPE = Shape(

@@ -9,7 +9,7 @@ from .contract import Driver, Ending
 def slsqp(problem: Problem, options: Options) -> Ending:
     """Minimise by SLSQP."""
     limits = {"type": "ineq", "fun": problem.cons, "jac": problem.cons_jac}
-    found = minimize(
+    optimum = minimize(
         problem.fun,
         problem.x0,
         jac=problem.jac,
@@ -18,7 +18,7 @@ def slsqp(problem: Problem, options: Options) -> Ending:
         constraints=[limits] if problem.cons(problem.x0).size else [],
         options={"ftol": options.tolerance, "maxiter": options.iterations},
     )
-    return Ending(found.x, bool(found.success), str(found.message))
+    return Ending(optimum.x, bool(optimum.success), str(optimum.message))
 
 
 DRIVER = Driver("slsqp", "sequential quadratic programming (SciPy), the default", slsqp)

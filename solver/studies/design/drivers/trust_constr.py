@@ -12,7 +12,7 @@ def trust_constr(problem: Problem, options: Options) -> Ending:
     limits = []
     if problem.cons(problem.x0).size:
         limits = [NonlinearConstraint(problem.cons, 0.0, np.inf, jac=problem.cons_jac, hess=BFGS())]
-    found = minimize(
+    optimum = minimize(
         problem.fun,
         problem.x0,
         jac=problem.jac,
@@ -27,7 +27,7 @@ def trust_constr(problem: Problem, options: Options) -> Ending:
             "initial_tr_radius": 0.2,
         },
     )
-    return Ending(found.x, found.status in (1, 2), str(found.message))
+    return Ending(optimum.x, optimum.status in (1, 2), str(optimum.message))
 
 
 DRIVER = Driver("trust-constr", "trust region with barriers (SciPy), many variables", trust_constr)

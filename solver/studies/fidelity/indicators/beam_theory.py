@@ -199,9 +199,9 @@ def beam_theory(
     package = rich.package
     if body.kind != "beam" or body.length is None or len(package.sections) != 1:
         return None
-    found = walls_of(mechanism.sections[body.section]) if body.section is not None else None
+    walls = walls_of(mechanism.sections[body.section]) if body.section is not None else None
     ends = share_of_ends(package, rich.eta)
-    if found is None and ends is None:
+    if walls is None and ends is None:
         return None
     worth = {
         mode.label: float(value)
@@ -210,7 +210,7 @@ def beam_theory(
     }
     whole = max(worth.values(), default=0.0)
     length, values = float(body.length), {} if ends is None else {"ends": whole * ends}
-    if found is None:
+    if walls is None:
         return BeamTheory(name, None, length, values)
     section = package.sections[0]
     frequencies = dict(zip(package.mode_labels, package.frequencies.tolist(), strict=True))
@@ -218,23 +218,23 @@ def beam_theory(
     material = mechanism.materials.get(body.material) if body.material else None
     one, two = getattr(material, "E1", None), getattr(material, "E2", None)
     ratio = min(1.0, float(two / one)) if one and two else 1.0
-    local = local_frequency(found, section.K, section.M, ratio)
+    local = local_frequency(walls, section.K, section.M, ratio)
     known = [package.mode_labels[i] for i in vibrations(package).tolist()]
     kept = [label for label in known if label in plan.vibrations]
     if ends is None:
         torsion = max((v for label, v in worth.items() if kind_of(label) == "torsion"), default=0.0)
-        values["warping"] = torsion * min(1.0, warping_decay(found, section.K) / length)
+        values["warping"] = torsion * min(1.0, warping_decay(walls, section.K) / length)
     values |= {
         "walls": sum(worth.get(n, 0.0) * walls_carried(frequencies[n] / local) for n in kept),
-        "ovalisation": whole * ovalisation(found, _curvature(rich), ratio),
+        "ovalisation": whole * ovalisation(walls, _curvature(rich), ratio),
     }
     held = held_lengths(package)
     if held is not None:
         lengths = dict(zip(package.mode_labels, held.tolist(), strict=True))
         values["waves"] = sum(
-            worth.get(n, 0.0) * short_waves(found, lengths[n], length / number_of(n)) for n in kept
+            worth.get(n, 0.0) * short_waves(walls, lengths[n], length / number_of(n)) for n in kept
         )
-    return BeamTheory(name, found, length, values, local / (2.0 * np.pi))
+    return BeamTheory(name, walls, length, values, local / (2.0 * np.pi))
 
 
 def walls_of(section: Any) -> Walls | None:

@@ -21,43 +21,43 @@ from .response import Effects, Indicators, Mode, Response, effects, elastic_colu
 
 
 def stiffening_loss(
-    found: Response,
+    response: Response,
     again: BuiltMechanism,
     measured: Mapping[str, Sensor],
     second: Mapping[str, Sensor],
     parts: Effects,
 ) -> Array:
     """Return the change of signals (o, s) by stiffening and second-order motion at q = eta."""
-    rows, model = found.at, found.model
-    t, y = found.t[rows], found.y[rows].copy()
-    change = np.einsum("snm,sm->sn", found.motions[:, : model.n_vel], found.eta[rows])
+    rows, model = response.at, response.model
+    t, y = response.t[rows], response.y[rows].copy()
+    change = np.einsum("snm,sm->sn", response.motions[:, : model.n_vel], response.eta[rows])
     move_rows(model, y, change)
     one, two = Recording(model, t, y), Recording(again.model, t, y)
     lost = np.array([second[name].values(two) - measured[name].values(one) for name in measured])
     lost = np.where(np.isfinite(lost), lost, 0.0)
-    turned = np.zeros((len(rows), len(found.elastic)))
+    turned = np.zeros((len(rows), len(response.elastic)))
     loaded = Loading(model)(t, y, (one.rates, one.multipliers))
     for i, columns in enumerate(elastic_columns(model)):
         if len(columns) and again.model.second_start[i + 1] > again.model.second_start[i]:
             Kg = geometric_stiffness(model, again.model, i, t, y, loaded)
-            own = np.searchsorted(found.elastic, columns)
-            turned[:, own] = np.einsum("sij,sj->si", Kg, found.eta[rows][:, own])
-    extra = np.linalg.solve(found.K, turned.T).T  # (s, m)
-    eta = found.eta[rows]
+            own = np.searchsorted(response.elastic, columns)
+            turned[:, own] = np.einsum("sij,sj->si", Kg, response.eta[rows][:, own])
+    extra = np.linalg.solve(response.K, turned.T).T  # (s, m)
+    eta = response.eta[rows]
     slope = np.divide(
         parts.static[:, rows], eta, out=np.zeros((len(lost), *eta.shape)), where=eta != 0.0
     )
     return np.asarray(lost - np.einsum("osm,sm->os", slope, extra))
 
 
-def spins(built: BuiltMechanism, found: Response, names: list[str]) -> dict[str, float]:
+def spins(built: BuiltMechanism, response: Response, names: list[str]) -> dict[str, float]:
     """Return the largest spin of bodies over their first clamped frequency."""
     spin = SpinMonitor(built.model, built.body_names, stop=False)
     out = {}
     for i, name in enumerate(built.body_names):
         if name not in names or not built.model.n_mode[i]:
             continue
-        w = np.array([spin.spin(i, found.y[k]) for k in found.at.tolist()])
+        w = np.array([spin.spin(i, response.y[k]) for k in response.at.tolist()])
         speeds = np.linalg.norm(w, axis=1)
         k = int(np.argmax(speeds))
         if speeds[k] > 0.0:
@@ -65,14 +65,14 @@ def spins(built: BuiltMechanism, found: Response, names: list[str]) -> dict[str,
     return out
 
 
-def amplified_errors(found: Response, parts: Effects, scale: Array) -> Array:
+def amplified_errors(response: Response, parts: Effects, scale: Array) -> Array:
     """Return the error (o,) of the signals over the tolerance of the integrator, of the scale.
 
     A tolerance of 1 permits errors of the modes that displace a body by the size of the mechanism.
     What the modes of a body add to a signal has that size over their displacement as its error.
     """
-    model, q = found.model, found.history[0]
-    size, first, worst = extent(model, found.y[0]), 0, np.zeros(len(scale))
+    model, q = response.model, response.history[0]
+    size, first, worst = extent(model, response.y[0]), 0, np.zeros(len(scale))
     for i in range(model.n_body):
         m = int(model.n_mode[i])
         mine = slice(first, first + m)
@@ -107,12 +107,12 @@ def study(
             moving, rows = vibrations(package), model.modes[name].tolist()
             modes += [Mode(name, package.mode_labels[j], j in moving) for j in rows]
     deformed = mechanism.solver.start != "positions"
-    found = response(base, model.built.model, model.p, deformed=deformed)
+    driven = response(base, model.built.model, model.p, deformed=deformed)
     wanted = {name: mechanism.signals[name] for name in signals}
-    compared = relatives(signals, mechanism, model.built, found.y[0])
+    compared = relatives(signals, mechanism, model.built, driven.y[0])
     measured = compared.sensors(model.built)
     kinds = {name: kind_of_signal(name, compared.table) for name in measured}
-    every = effects(found, measured, kinds)
+    every = effects(driven, measured, kinds)
     whole, sizes = compared.judged(dict(zip(measured, every.whole, strict=True)))
     quiet = np.asarray(sizes > 0.0)
     scale = np.where(quiet, sizes, scales(metric, whole))
@@ -123,9 +123,9 @@ def study(
         again = built_with(spec, model.packages, stiffening=True)
         second = sensors(again, mechanism.signals, wanted=wanted)
         first = {name: measured[name] for name in signals}
-        lost = stiffening_loss(found, again, first, second, parts)
+        lost = stiffening_loss(driven, again, first, second, parts)
         stiffened = np.abs(lost).max(axis=1) / scale
-    spin, amplified = spins(model.built, found, names), amplified_errors(found, parts, scale)
+    spin, amplified = spins(model.built, driven, names), amplified_errors(driven, parts, scale)
     indicators = Indicators(
         list(signals), metric, scale, modes, parts, stiffened, spin, amplified, quiet
     )

@@ -44,16 +44,16 @@ def base_motion(spec: RunSpec, names: list[str]) -> Base:
         The mechanism cannot move with flexible bodies either.
     """
     try:
-        found, reason = _motion(spec, {name: rigid(spec.packages[name]) for name in names})
+        base, reason = _motion(spec, {name: rigid(spec.packages[name]) for name in names})
     except InputError as error:
-        found, reason = None, str(error).splitlines()[0]
-    if found is not None:
-        return found
+        base, reason = None, str(error).splitlines()[0]
+    if base is not None:
+        return base
     least = {name: least_flexible(spec.packages[name]) for name in names}
-    found, why = _motion(spec, least)
-    if found is None:
+    base, why = _motion(spec, least)
+    if base is None:
         raise InputError(f"fidelity: no motion to plan from, rigid or flexible: {why}")
-    return replace(found, reason=reason)
+    return replace(base, reason=reason)
 
 
 def _motion(spec: RunSpec, packages: dict[str, ModalPackage]) -> tuple[Base | None, str]:
@@ -178,18 +178,18 @@ def _further(
     fewer = with_modes(mine, modes)
     built = built_with(spec, {**packages, **fewer}, stiffening=True)
     q = {name: eta[name][np.ix_(rows, kept)] for name, kept in modes.items()}
-    found = {name: np.zeros((2, len(rows), package.n_mode)) for name, package in mine.items()}
+    changes = {name: np.zeros((2, len(rows), package.n_mode)) for name, package in mine.items()}
     for again in range(2):
         loads = left(built, rows, q)
         for name, package in fewer.items():
             change = quasi_static(package, loads[name])
             size = energy(package, change)
             change *= min(1.0, energy(package, q[name]) / max(size, 1e-300))
-            found[name][again][:, modes[name]] = change
+            changes[name][again][:, modes[name]] = change
             q[name] = q[name] + change
     # As many output times as in the response of the base motion.
     weight = np.sqrt(len(base.t) / len(rows))
-    return {n: weight * each.reshape(2 * len(rows), each.shape[2]) for n, each in found.items()}
+    return {n: weight * each.reshape(2 * len(rows), each.shape[2]) for n, each in changes.items()}
 
 
 @dataclass(frozen=True)

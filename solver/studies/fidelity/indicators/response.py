@@ -216,10 +216,10 @@ class Effects:
         return np.asarray(self.base + self.response.sum(axis=2))
 
 
-def effects(found: Response, sensors: Mapping[str, Sensor], kinds: Mapping[str, str]) -> Effects:
+def effects(response: Response, sensors: Mapping[str, Sensor], kinds: Mapping[str, str]) -> Effects:
     """Return the contributions of all modes to the signals, which have these kinds."""
-    (q, v, a), eta, t = found.history, found.eta, found.t
-    every, plain = list(sensors.values()), _recording(found, np.arange(len(t)))
+    (q, v, a), eta, t = response.history, response.eta, response.t
+    every, plain = list(sensors.values()), _recording(response, np.arange(len(t)))
     base = np.array([sensor.values(plain) for sensor in every]).reshape(len(every), len(t))
     whole, static = np.zeros((2, *base.shape, q.shape[1]))
     nothing = np.zeros_like(eta)
@@ -229,7 +229,7 @@ def effects(found: Response, sensors: Mapping[str, Sensor], kinds: Mapping[str, 
         size = np.abs(history).max(axis=0, initial=0.0)
         moving = np.flatnonzero(size > 0.0)
         if wanted and moving.size:
-            slopes = _slopes(found, [every[o] for o in wanted], moving, order, size[moving])
+            slopes = _slopes(response, [every[o] for o in wanted], moving, order, size[moving])
             for o, slope in zip(wanted, slopes, strict=True):
                 whole[o][:, moving] = slope * history[:, moving]
                 static[o][:, moving] = slope * quasi[:, moving]
@@ -237,16 +237,16 @@ def effects(found: Response, sensors: Mapping[str, Sensor], kinds: Mapping[str, 
 
 
 def _recording(
-    found: Response, rows: IntArray, change: Array | None = None, order: int = 0
+    response: Response, rows: IntArray, change: Array | None = None, order: int = 0
 ) -> Recording:
     """Return the base motion at rows (r,) with changes (r, n_vel + n_c), if any.
 
     Of positions (`order` 0), velocities (1), or accelerations and multipliers (2).
     """
-    model, y = found.model, found.y[rows]
-    n, multipliers = model.n_vel, found.base.multipliers[rows]
+    model, y = response.model, response.y[rows]
+    n, multipliers = model.n_vel, response.base.multipliers[rows]
     rates, v = np.zeros_like(y), slice(model.n_pos, model.n_pos + model.n_vel)
-    rates[:, v] = found.accelerations[rows]
+    rates[:, v] = response.accelerations[rows]
     if change is not None and order == 0:
         move_rows(model, y, np.ascontiguousarray(change[:, :n]))
     elif change is not None and order == 1:
@@ -254,31 +254,31 @@ def _recording(
     elif change is not None:
         rates[:, v] += change[:, :n]
         multipliers = multipliers + change[:, n:]
-    recording = Recording(model, found.t[rows], y)
+    recording = Recording(model, response.t[rows], y)
     recording.along = series.Along(rates, multipliers, series.balance(model, recording.t, y))
     return recording
 
 
 def _slopes(
-    found: Response, sensors: list[Sensor], modes: IntArray, order: int, size: Array
+    response: Response, sensors: list[Sensor], modes: IntArray, order: int, size: Array
 ) -> Array:
     """Derivatives (o, k, m) of signals by m modes (order 0), their rates or their accelerations.
 
     Differences at the samples with changes of `size` (m,), linear between the samples. All changes
     of a sample follow each other in one recording, so that angles stay on one branch.
     """
-    motions = found.motions[:, :, modes].transpose(0, 2, 1)  # (s, m, n_vel + n_c)
+    motions = response.motions[:, :, modes].transpose(0, 2, 1)  # (s, m, n_vel + n_c)
     step = np.array(size)
     if order == 0:
-        largest = np.abs(motions[:, :, : found.model.n_vel]).max(axis=(0, 2), initial=0.0)
+        largest = np.abs(motions[:, :, : response.model.n_vel]).max(axis=(0, 2), initial=0.0)
         step = np.minimum(size, MOST_MOVED / np.maximum(largest, 1e-300))
     sides = np.stack([motions, -motions], axis=2) * step[:, None, None]
-    each = np.repeat(found.at, 2 * len(modes))
-    recording = _recording(found, each, sides.reshape(len(each), -1), order)
+    each = np.repeat(response.at, 2 * len(modes))
+    recording = _recording(response, each, sides.reshape(len(each), -1), order)
     values = np.array([sensor.values(recording) for sensor in sensors])
-    values = values.reshape(len(sensors), len(found.at), len(modes), 2)
+    values = values.reshape(len(sensors), len(response.at), len(modes), 2)
     values = (values[..., 0] - values[..., 1]) / (2.0 * step)
-    t, known = found.t, found.t[found.at]
+    t, known = response.t, response.t[response.at]
     if len(known) == 1:
         return np.repeat(values, len(t), axis=1)
     i = np.clip(np.searchsorted(known, t, side="right") - 1, 0, len(known) - 2)
