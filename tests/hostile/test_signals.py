@@ -39,7 +39,7 @@ vary = { end = { keys = ["solver.t_end"], values = [0.1, 0.2, 1e5] } }
 TOLD = """
 import sys, time
 import plymotion.solver.run.execution as r
-from plymotion.solver.studies.sweep import work
+from plymotion.solver.studies.sweep import portions
 from plymotion.solver.checks.monitors import Monitors
 from plymotion.solver.__main__ import main
 watch, write = Monitors.__call__, r.write_result
@@ -54,7 +54,7 @@ def writing(path, result, **more):
         time.sleep(0.2)
     write(path, result, **more)
 Monitors.__call__, r.write_result = told, writing
-work.SAVE_S = 0.0  # each row at once
+portions.SAVE_S = 0.0  # each row at once
 if "--slow-disk" not in sys.argv:
     r.PATIENCE_S = 60.0  # a busy machine may need longer to save
 sys.exit(main([word for word in sys.argv[1:] if word != "--slow-disk"]))
