@@ -17,9 +17,11 @@ from ...dynamics.model.model import Model, modal_matrix
 from ...math.arrays import Array, IntArray
 from ...package.common.design import independent
 
-# Forward differences: their error, and that of round-off, are near 1e-8 of the largest term.
+# Differences: the error of those on one side, and that of round-off, are near 1e-8 of the largest
+# term. Those on both sides are no longer: a limit of a stop that moved by 1e-5 of itself was on the
+# other side of stages near the impact, and its derivative wrong by 1e-2 and more.
 STEP = 3e-8
-BOTH, FEW = 1e-5, 6  # the same on both sides of a number; changes for which there is time
+FEW = 6  # changes for which there is time for differences on both sides
 SAME = 1e-9  # of the largest change of a model, below which there is none: differences of packages
 SLOW = 1e-6  # sizes of the mechanism per second, or rad/s: below, a state is at rest
 MOST_GROWTH = 1e4  # of dependent coordinates over independent ones, by inertia
@@ -206,8 +208,7 @@ class Partials:
         self._shares = (shares / np.array([column.h for column in columns])).T
         for rates in changes:
             sizes = [np.abs(now[n]).max() / np.abs(rate).max() for n, rate in rates.items()]
-            step = float(min((s for s in sizes if s > 0.0), default=1.0 / BOTH))
-            step *= BOTH if len(changes) <= FEW else STEP
+            step = STEP * float(min((s for s in sizes if s > 0.0), default=1.0 / STEP))
             low = _moved(model, rates, -step) if len(changes) <= FEW else None
             self._near.append((low, _moved(model, rates, step), step))
         self._stiffness = [(i, K) for i, K in enumerate(stiffness) if K.any()]

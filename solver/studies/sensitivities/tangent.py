@@ -31,7 +31,7 @@ from ...integrators.compiled.radau_stages import A_INVERSE, POWERS, A, C
 from ...integrators.generic.drive import Steps
 from ...math.arrays import Array, IntArray
 from ..linearisation.differences import units_of
-from .linear import Column, Linear, Linearisation, Partials
+from .linear import STEP, Column, Linear, Linearisation, Partials
 
 BATCH = 2_000_000  # numbers of the terms of one batch of steps
 NEAR = 1e-6  # of the size of the mechanism: distance from a bend of a force
@@ -210,7 +210,7 @@ class Tangent:
         for number, level in self._bends:
             gap, h = values[:, 2 * number] - level, np.diff(steps.t)
             early = near / np.maximum(np.abs(values[1:, 2 * number + 1]) * h, 1e-300)
-            at_end = np.abs(gap) < near
+            at_end = np.abs(gap) < STEP * self._size
             crossing = (gap[1:] * gap[:-1] < 0.0) & ~at_end[1:] & ~at_end[:-1]
             for i in np.flatnonzero(crossing | at_end[1:]).tolist():
                 x = np.array([1.0])
