@@ -71,9 +71,9 @@ def main() -> None:
         results = measured(chosen, codes, limits, file) | {"settings": limits}
         cpu = results["cpu_s"] = {"scenes": cpu_s()}
         if told.coverage:
-            import coverage
+            import covered
 
-            results |= coverage.measured(told.coverage, told.lanes)
+            results |= covered.measured(told.coverage, told.lanes)
             cpu["error bars"] = cpu_s() - sum(cpu.values())
         file.write_text(json.dumps(results, indent=1), encoding="utf-8")
     if not (told.quick or told.words) and "stability" not in results:
