@@ -23,6 +23,7 @@ from ..package.common.plausible import (
     beam_doubts,
     body_doubts,
     described_doubts,
+    gravity_doubts,
     not_allowed,
     rotor_doubts,
     section_doubts,
@@ -169,6 +170,8 @@ def _doubts(run: FinishedRun) -> Iterator[tuple[str, Doubt]]:
         if body.kind == "rigid":
             for doubt in body_doubts(body.mass, float(np.linalg.eigvalsh(body.inertia)[-1])):
                 yield name, doubt
+    for doubt in gravity_doubts(float(np.linalg.norm(run.mechanism.gravity))):
+        yield "gravity", doubt
     if run.mechanism.rotor is not None:
         yield from (("rotor", doubt) for doubt in _of_rotor(run))
 

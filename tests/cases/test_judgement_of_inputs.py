@@ -100,6 +100,8 @@ def test_sizes_and_masses_in_other_units(tmp_path):
     rod = rigid("block", 1.0, 1e6 / 12.0, {"centre": (0, 0, 0)})  # 1 m, in kg mm2
     (message,) = sized(tmp_path, FREE + rod)
     assert "kg mm2" in message
+    (message,) = sized(tmp_path, "gravity = [0.0, -9810.0, 0.0]\n" + FREE)
+    assert message.startswith("gravity: 9810 m/s2")
 
 
 TURNS = """

@@ -16,7 +16,7 @@ from plymotion.solver.studies.design.measures import Mass, Measure, measure_of
 from plymotion.solver.studies.design.problem import Options, Problem, Values
 from plymotion.solver.studies.design.rules import broken, space_of
 from plymotion.solver.studies.design.starts import Start, first_points, search
-from tests.samples.design_samples import CARBON, angles, tube
+from tests.samples.design_samples import CARBON, STRENGTH, angles, tube
 from tests.samples.exchange_routes import PROGRAMS
 
 T = np.linspace(0.0, 2.0, 81)
@@ -241,6 +241,7 @@ def test_a_start_beyond_its_limits_goes_back_to_them() -> None:
     thick = {n: p | {"bounds": [0.2, 90.0]} for n, p in angles(6).items()}
     own = {"run": "base", "minimise": {"mass": "arm"}, "subject_to": least}
     table = tube(6, parameters=thick, studies={"s": own})
+    table["materials"] = {"carbon": {**CARBON, "strength": STRENGTH}}
     study, start = checked_case(table, Path("tube.toml")).studies["s"], Start(0)
     measures = [measure_of(q) for q in study.table.quantities()]
     designs, space = _Strong(6), space_of(study)

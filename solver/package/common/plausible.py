@@ -37,6 +37,8 @@ FIBRES = 2.0  # E1 over E2 and E3 of a ply with fibres
 LARGEST_SECTION, HEAVIEST_SECTION = 50.0, 5e4
 SMALLEST_SECTION = 1e-7  # beams of microsystems have 1e-6
 HEAVIEST_BODY = 1e8  # [kg]: the ship Titanic 5e7. With mm for m, 0.1 kg become 1e8 kg.
+# Free fall [m/s2]: the Sun has 274, centrifuges for models of soil 3000; Earth has 9810 mm/s2.
+STRONGEST_GRAVITY = 5000.0
 # Numbers that are more likely degrees than radians, of which they are 5 to 57 turns.
 DEGREES = (30.0, 45.0, 60.0, 90.0, 120.0, 135.0, 150.0, 180.0, 270.0, 360.0)
 # Mass over the cube of twice the radius of gyration [kg/m3]: a boom of 20 m and 1 kg has 6e-4, a
@@ -187,6 +189,16 @@ def body_doubts(mass: float, inertia: float = 0.0) -> Iterator[Doubt]:
             f"of gyration of {radius:.4g} m: is the inertia in kg m2, not in kg mm2?"
         )
         yield Doubt(SIZE, text, radius)
+
+
+def gravity_doubts(gravity: float) -> Iterator[Doubt]:
+    """Yield whether an acceleration of free fall [m/s2] is unusual."""
+    if gravity > STRONGEST_GRAVITY:
+        text = (
+            f"{gravity:.4g} m/s2 (expected up to {STRONGEST_GRAVITY:g}): is it in m/s2, not in "
+            "mm/s2?"
+        )
+        yield Doubt(SIZE, text, gravity)
 
 
 def rotor_doubts(density: float, wind: float, tip: float, low: float = 0.0) -> Iterator[Doubt]:
