@@ -8,6 +8,7 @@ import numpy as np
 
 from plymotion.preprocess import fenicsx
 from plymotion.preprocess.solid.model import SolidModel
+from plymotion.solver.math.arrays import IntArray
 
 ALUMINIUM = {"kind": "isotropic", "E": 70e9, "nu": 0.33, "rho": 2700.0}
 STEEL = {"kind": "isotropic", "E": 210e9, "nu": 0.3, "rho": 7850.0}
@@ -142,8 +143,10 @@ def elastic(m: dict[str, Any]) -> list[str]:
     return ["*ELASTIC, TYPE=ENGINEERING CONSTANTS", first, rest]
 
 
-def calculix_deck(path: Path, model: SolidModel, material: dict[str, Any], count: int) -> None:
-    """Write the same nodes and cells as C3D10, and a frequency step of the free solid."""
+def calculix_deck(
+    path: Path, model: SolidModel, material: dict[str, Any], count: int, held: IntArray
+) -> None:
+    """Write the same nodes and cells as C3D10, and a frequency step with rows of nodes held."""
     body = model.body
     lines = ["*NODE, NSET=NALL"]
     lines += [f"{i},{x:.12e},{y:.12e},{z:.12e}" for i, (x, y, z) in enumerate(body.nodes, 1)]
@@ -157,5 +160,6 @@ def calculix_deck(path: Path, model: SolidModel, material: dict[str, Any], count
         lines += ["*ORIENTATION, NAME=O, SYSTEM=CYLINDRICAL", "0,0,0,0,0,1"]
         section += ", ORIENTATION=O"
     lines.append(section)
+    lines += ["*BOUNDARY", *(f"{i + 1},1,3" for i in held.tolist())]
     lines += ["*STEP", "*FREQUENCY", f"{count}", "*END STEP"]
     path.write_text("\n".join(lines) + "\n")
