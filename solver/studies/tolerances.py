@@ -1,4 +1,4 @@
-"""Limits by which plans of runs and their checks are decided.
+"""Limits by which plans of runs and their checks are decided, and those of derivatives of runs.
 
 A line `Test:` names a test that fails if the value is ten times as large, or a tenth.
 Values without one have no such test so far.
@@ -46,3 +46,10 @@ PROMOTED = 0.3
 
 # Indicated cost that is not printed.
 NO_COST = 1e-9
+
+# Forward differences of the terms of a tangent: their error, and that of round-off, are near 1e-8
+# of the largest term. An end of a step this near a bend, in sizes of the mechanism, is at it.
+STEP = 3e-8
+
+# Of dependent coordinates over independent ones, by inertia: others are independent sooner.
+MOST_GROWTH = 1e4

@@ -16,15 +16,13 @@ from ...dynamics.model.coordinates import displaced
 from ...dynamics.model.model import Model, modal_matrix
 from ...math.arrays import Array, IntArray
 from ...package.common.design import independent
+from ..tolerances import MOST_GROWTH, STEP
 
-# Differences: the error of those on one side, and that of round-off, are near 1e-8 of the largest
-# term. Those on both sides are no longer: a limit of a stop that moved by 1e-5 of itself was on the
-# other side of stages near the impact, and its derivative wrong by 1e-2 and more.
-STEP = 3e-8
-FEW = 6  # changes for which there is time for differences on both sides
+# Differences on both sides of a number, and changes for which there is time. With stops `STEP` in
+# place of BOTH: a limit that moves by 1e-5 of itself is on the other side of stages near an impact.
+BOTH, FEW = 1e-5, 6
 SAME = 1e-9  # of the largest change of a model, below which there is none: differences of packages
 SLOW = 1e-6  # sizes of the mechanism per second, or rad/s: below, a state is at rest
-MOST_GROWTH = 1e4  # of dependent coordinates over independent ones, by inertia
 
 
 class Column(NamedTuple):
@@ -182,7 +180,7 @@ class Partials:
     changes : whether the parameters change anything
     """
 
-    def __init__(self, model: Model, columns: Sequence[Column]) -> None:
+    def __init__(self, model: Model, columns: Sequence[Column], *, stops: bool = False) -> None:
         self._model, self._count, now = model, len(columns), _arrays(model)
         self._near: list[tuple[Model | None, Model, float]] = []
         P = self._count
@@ -208,7 +206,8 @@ class Partials:
         self._shares = (shares / np.array([column.h for column in columns])).T
         for rates in changes:
             sizes = [np.abs(now[n]).max() / np.abs(rate).max() for n, rate in rates.items()]
-            step = STEP * float(min((s for s in sizes if s > 0.0), default=1.0 / STEP))
+            share = BOTH if len(changes) <= FEW and not stops else STEP
+            step = share * float(min((s for s in sizes if s > 0.0), default=1.0 / share))
             low = _moved(model, rates, -step) if len(changes) <= FEW else None
             self._near.append((low, _moved(model, rates, step), step))
         self._stiffness = [(i, K) for i, K in enumerate(stiffness) if K.any()]

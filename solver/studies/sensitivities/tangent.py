@@ -31,7 +31,8 @@ from ...integrators.compiled.radau_stages import A_INVERSE, POWERS, A, C
 from ...integrators.generic.drive import Steps
 from ...math.arrays import Array, IntArray
 from ..linearisation.differences import units_of
-from .linear import STEP, Column, Linear, Linearisation, Partials
+from ..tolerances import STEP
+from .linear import Column, Linear, Linearisation, Partials
 
 BATCH = 2_000_000  # numbers of the terms of one batch of steps
 NEAR = 1e-6  # of the size of the mechanism: distance from a bend of a force
@@ -108,7 +109,7 @@ class Tangent:
         n = model.n_vel
         per_step = (2 * n + 4 * model.n_constraint + 10) * (3 * n + S.shape[1])
         self._batch = int(np.clip(BATCH // per_step, 1, 500))
-        own = Partials(model, columns)
+        own = Partials(model, columns, stops=bool(bends))
         self.is_still = not S.any() and not own.changes  # no parameter changes anything
         self._partials = own
         self._linear = Linearisation(model, partials or own, self.units)
