@@ -51,23 +51,25 @@ def stiffening_findings(run: FinishedRun) -> Iterator[Finding]:
     again = None if asked else build(run.mechanism, dict(run.packages), stiffening=True)
     tables = again.model if again else run.model
     loading = Loading(run.model)
+    spin = SpinMonitor(run.model, run.built.body_names, stop=False)
     for i, name in enumerate(run.built.body_names):
         if name not in run.packages or run.packages[name].second_order is None:
             continue
         if stiffened(run.model, i):
-            yield from _of_stiffened(run, i, loading)
+            yield from _of_stiffened(run, i, loading, spin)
         else:
-            yield from _of_linear(run, tables, i, loading)
+            yield from _of_linear(run, tables, i, loading, spin)
 
 
-def _of_stiffened(run: FinishedRun, i: int, loading: Loading) -> Iterator[Finding]:
+def _of_stiffened(
+    run: FinishedRun, i: int, loading: Loading, spin: SpinMonitor
+) -> Iterator[Finding]:
     """Yield the first instants at which mass or stiffness of a stiffened body is not positive.
 
     The stiffness along a run is looked at during it, where a loss must last to count
     (BucklingMonitor); here that of states alone.
     """
     model, name = run.model, run.built.body_names[i]
-    spin = SpinMonitor(model, run.built.body_names, stop=False)
 
     def negative_mass(t: Array, y: Array) -> Array:
         M = mass_matrices(model, i, t, y)
@@ -137,7 +139,9 @@ def _free_mass(model: Model, t: float, y: Array) -> float:
     return float(np.linalg.eigvalsh(M * scale[:, None] * scale)[0]) if M.size else 1.0
 
 
-def _of_linear(run: FinishedRun, tables: Model, i: int, loading: Loading) -> Iterator[Finding]:
+def _of_linear(
+    run: FinishedRun, tables: Model, i: int, loading: Loading, spin: SpinMonitor
+) -> Iterator[Finding]:
     """Yield the largest geometric stiffness of a linear body, if it is not small."""
     model, name = run.model, run.built.body_names[i]
     values, vectors = np.linalg.eigh(modal_matrix(model, model.K_qq, i))
@@ -162,7 +166,7 @@ def _of_linear(run: FinishedRun, tables: Model, i: int, loading: Loading) -> Ite
         )
         yield MATTERS.finding(text, body=name, t=when, value=largest)
         return
-    spin, j = SpinMonitor(model, run.built.body_names, stop=False), int(model.vel_start[i]) + 3
+    j = int(model.vel_start[i]) + 3
     w = run.solution.y[:, model.n_pos + j :][:, :3]
     k = int(np.argmax((w * w).sum(axis=1)))
     part = tilting(spin, tables, i, run.solution.y[k])

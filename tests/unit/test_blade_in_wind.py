@@ -18,7 +18,6 @@ from samples.rotor_samples import ANGLES, polar
 from scipy.integrate import solve_ivp
 
 from plymotion.solver.__main__ import main
-from plymotion.solver.commands.bodies.blade import take_bent_blades
 from plymotion.solver.errors import InputError
 from plymotion.solver.extras.blade.aerodynamics import ANGLES as GRID
 from plymotion.solver.extras.blade.aerodynamics import strips
@@ -32,6 +31,7 @@ from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.package.common.files import write_text
 from plymotion.solver.package.common.plain_data import toml_text
 from plymotion.solver.run.execution import execute, read_run
+from plymotion.solver.studies.generator_law import take_bent_blades
 
 ACTUATOR = 4.0 * 35.0 * np.pi / 30.0  # [rad/s], without one in the file
 

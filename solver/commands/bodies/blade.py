@@ -2,15 +2,9 @@
 
 import argparse
 import json
-import re
 import sys
-import tomllib
 from collections.abc import Sequence
-from pathlib import Path
 
-import numpy as np
-
-from ...dynamics.analysis.recovery import Recording
 from ...errors import InputError
 from ...extras.blade.analysis import TABLE, Meshed, collected, folder_of, read_and_mesh, write_whole
 from ...extras.blade.stations import (
@@ -23,15 +17,10 @@ from ...extras.blade.stations import (
     station_text,
 )
 from ...extras.blade.turbine import ROTOR_CASE
-from ...inputs.case.load import load_case
 from ...inputs.case.record import CASE_FILE
-from ...mechanism.build import build
-from ...mechanism.start import starting_state
 from ...package.common.files import write_text
-from ...signals.rotor import rotor_values
-from ...studies.cases import build_folder
 from ...studies.exit_codes import DEFECT, report, worst
-from ...studies.modes.state import spec_of_run
+from ...studies.generator_law import take_bent_blades
 from ...workers.launch import kept_preprocessors
 from ..body_arguments import add_section
 from ..case_arguments import add_modes
@@ -83,32 +72,15 @@ def run_blade(options: argparse.Namespace) -> int:
         return worst([*codes, code, USER_ERROR])
     for file in files:
         if file.name == ROTOR_CASE and not control:
-            take_bent_blades(file)
+            try:
+                take_bent_blades(file)
+            except InputError as error:
+                print(f"{file}: best = torque of rigid blades over speed squared: {error}")
         hint = f": the blade on its hub; plymotion modes {file} --at spin=0:1:0.1"
         print(f"{file}{hint if file.name == CASE_FILE else ''}")
     if options.spin:
         _spin(options, meshed, stations)
     return code
-
-
-def take_bent_blades(file: Path) -> None:
-    """Put the torque of bent blades into the law of the generator of a case of a turbine.
-
-    At the start of its run `steady`, with the shapes that belong to the loads. Rigid blades give
-    several per cent more, with which a rotor turns too slowly. Without such shapes, they stay.
-    """
-    case, text = load_case(file), file.read_text(encoding="utf-8")
-    spec = spec_of_run(case, "steady", build_folder(file), None)
-    try:
-        built = build(spec.mechanism, spec.packages)
-        names = built.joint_names, built.body_names
-        y = starting_state(built.model, built.start, "quasi-static", *names)
-    except InputError as error:
-        print(f"{file}: best = torque of rigid blades over the square of the speed: {error}")
-        return
-    (torque,) = rotor_values(built, "moment")(Recording(built.model, np.zeros(1), y[None]))
-    speed = tomllib.loads(text)["parameters"]["speed"]
-    write_text(file, re.sub(r"(?m)^best = \S+", f"best = {torque / speed**2:.6g}", text, count=1))
 
 
 def _spin(options: argparse.Namespace, meshed: Meshed, stations: Sequence[Station]) -> None:
