@@ -178,7 +178,7 @@ def _of_linear(
 def tilting(spin: SpinMonitor, tables: Model, i: int, y: Array) -> float:
     """Return the stiffness against whirling that linear body i lacks in state y (n,), relative.
 
-    Its sections keep an inertia about the axis as they tilt, rotary inertia times spin^2 over
+    It neglects part of the rotary inertia of sections that tilt: rotary inertia times spin^2 over
     stiffness. Of the directions in which the spin takes a quarter of the stiffness of the frame and
     more, so 0 far below the first critical speed. A blade gets its stiffness by the spin there
     (`stiffening-matters`).
@@ -203,8 +203,8 @@ def tilting(spin: SpinMonitor, tables: Model, i: int, y: Array) -> float:
 def tilting_text(part: float) -> str:
     """Return what `tilting` means for a shaft."""
     return (
-        f"sections of a linear body keep an inertia about the axis as they tilt, {part:.2g} of the "
-        f"stiffness at this spin (expected below {TILTING.limit:g}): whirls are off by "
-        f"up to {0.5 * part:.1g}, and the response near a critical speed is wrong by several "
-        "times that. solver.geometric_stiffening = true gives them their inertia"
+        "sections of a linear body lack part of their rotary inertia as they tilt: at this spin "
+        f"{part:.2g} of the stiffness (expected below {TILTING.limit:g}). Whirl frequencies are "
+        f"wrong by up to {0.5 * part:.1g} of their value, and the response near a critical speed "
+        "by several times that. solver.geometric_stiffening = true includes it"
     )
