@@ -28,7 +28,7 @@ def with_mpi(folder: Path) -> str | None:
         == 0
     ):
         return os.environ.get("PYTHONPATH", "")
-    other = os.environ.get("FENICSX_PYTHON", "/usr/bin/python3")
+    other = os.environ.get("FENICSX_PYTHON") or "/usr/bin/python3"  # make exports an empty one
     asked = "import sys, mpi4py; print(*sys.version_info[:2], mpi4py.__path__[0])"
     try:
         done = subprocess.run([other, "-c", asked], capture_output=True, text=True)
