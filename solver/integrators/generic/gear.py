@@ -45,6 +45,8 @@ class SimplifiedNewton:
         self._lu: Array = np.empty((0, 0))
         self._pivots: Array = np.empty(0)
         self._rate = 1.0
+        # Beyond a bend of f a matrix that is too stiff makes the first correction small.
+        self.always_measured = False
         self._since_measured = 0
         self._excess = 0
         self.iterations = 0
@@ -102,7 +104,7 @@ class SimplifiedNewton:
         y = predicted.copy()
         scale = 2 / (1 + gamma / self._gamma_lu)
         last = 0.0
-        measure = self._since_measured >= 10
+        measure = self.always_measured or self._since_measured >= 10
         for i in range(1, MAX_ITERATIONS + 1):
             correction = self._f(t, y) * gamma
             correction += psi
@@ -121,7 +123,7 @@ class SimplifiedNewton:
                 self._rate = min(0.99, max(rate, 0.3 * self._rate))
                 self._since_measured = 0
             if size == 0 or (
-                (i > 1 or not measure) and size * self._rate / max(1 - self._rate, 0.1) < TOLERANCE
+                (i > 1 or not measure) and size * self._rate / max(1 - self._rate, 0.01) < TOLERANCE
             ):
                 self.iterations = i
                 self._since_measured += 1
@@ -364,6 +366,7 @@ class Gear(Integrator):
             predicted += h * self._f_start
         weight = self.norm.weight(self.y, predicted)
         self._h_try = h
+        self._newton.always_measured = self.hidden is not None
         y_new = self._newton.solve(t_new, predicted, psi, h / self._c_0, weight)
         if y_new is None:
             self._refuse_newton(h)
