@@ -131,9 +131,7 @@ def _curved(codes: IntArray) -> NDArray[np.bool_]:
 
 
 @lean
-def first_hidden(
-    watched: Watched, t: Array, values: Array, before: float, rtol: float
-) -> float:
+def first_hidden(watched: Watched, t: Array, values: Array, before: float, rtol: float) -> float:
     """Return the earliest instant [s] at which an expression was not seen, or `before`.
 
     Parameters

@@ -125,9 +125,10 @@ def test_linear_forces_are_not_looked_at(tmp_path):
 @pytest.mark.parametrize("read", ["-joint_rate('rail')", "joint('rail')"])
 def test_a_force_at_the_peak_of_a_motion(tmp_path, read, integrator):
     """An oscillator of speed cos(t): both peaks are a hundredth of a step wide, and no stage's."""
-    law = f"{{ expression = \"1000 * max(0, {read} - 0.99999) / 1e-5\" }}"
+    law = f'{{ expression = "1000 * max(0, {read} - 0.99999) / 1e-5" }}'
     text = carriage(by("-x"), speed=1.0) + rigid("block", 1.0, 0.1, {"a": (0, 0, 0)})
-    text += f'[forces.push]\nkind = "force"\nat = "block.a"\ndirection = [1.0, 0.0, 0.0]\nlaw = {law}\n'
+    text += f'[forces.push]\nkind = "force"\nat = "block.a"\nlaw = {law}\n'
+    text += "direction = [1.0, 0.0, 0.0]\n"
     text += '[signals.s]\nkind = "velocity"\nat = "block.a"\ncomponent = "x"\n'
     _, found, _ = run(tmp_path, text, 4.0, 0.5, solver(integrator, "rtol = 1e-6"))
     assert found["s"][-1] == pytest.approx(4000.0 / 3.0 * sqrt(2e-5), rel=0.03)
