@@ -21,9 +21,7 @@ from .breakpoints import JUMPING, JUMPS, SPLIT, VARIES
 SHORTEST = 1e-6  # part of a step: what a shorter peak adds to the motion is below its rounding
 WIDER = 4.0  # ranges of a step, by which the bounds without variation are wider
 HALVES, LOOKS = 48, 4  # of a step, in which a break is located, and is looked for
-# Error of a polynomial where it turns, as a share of its distance from a straight line; turns
-# nearer to an end than this part of a step; mean rates that are rounding or tolerance, in `rtol`.
-DOUBT, BESIDE_END, MEAN = 0.1, 1e-3, 10.0
+DOUBT = 0.1  # error of a polynomial where it turns, of its distance from a straight line
 SAME = 1e-9  # part of a step, within which two breaks are one: x > 1 and max(x - 1, 0)
 BREAKING = JUMPING | {op.ABS, op.MINIMUM, op.MAXIMUM, op.SMOOTH, op.CURVE, op.TANH}
 # BEND: largest error that a bend of a force causes in a step (of rk5, rk8, radau), as a factor of
@@ -300,7 +298,7 @@ def _set_rates(watched: Watched, t: Array, values: Array, i: int, rtol: float) -
             one, two = values[i, q], values[i + 1, q]
             first, last = values[i, k], values[i + 1, k]
             curve = 3.0 * (first + last) - 6.0 * (two - one) / h
-            if abs(curve) * h > MEAN * rtol * max(abs(one), abs(two)):
+            if VARIES * abs(curve) * h > rtol * max(abs(one), abs(two)):
                 path[1 + j, 1], path[1 + j, 2] = last - first - curve, curve
 
 
@@ -422,7 +420,7 @@ def _at_turns(watched: Watched, unseen: float) -> float:
                 continue
             s = above / below
             at = path[0, 0] + s * path[0, 1]
-            if s < BESIDE_END or s > 1.0 - BESIDE_END or at >= unseen:
+            if s < SHORTEST or s > 1.0 - SHORTEST or at >= unseen:
                 continue
             doubt = DOUBT * s * ((s - 1.0) * c + (s * s - 1.0) * path[j, 3])
             _set_box(watched, s, s)
