@@ -186,10 +186,12 @@ class SolidSpace:
 
     def matrix(self, form: Any) -> sp.csr_matrix:
         """A symmetric bilinear form, (3 n, 3 n), node by node."""
-        A = assembled(form).tocoo()
-        order = self._order
-        ordered = sp.csr_matrix((A.data, (order[A.row], order[A.col])), shape=A.shape)
-        return 0.5 * (ordered + ordered.T)
+        A, order = assembled(form), self._order
+        A = A[np.argsort(order)]
+        A = sp.csr_matrix((A.data, order[A.indices], A.indptr), shape=A.shape)
+        A.sort_indices()
+        A.data = 0.5 * (A.data + A.T.tocsr().data)  # the pattern is symmetric
+        return A
 
     def vectors(self, form: Any) -> Callable[[], Array]:
         """Assembles a linear form with the present values of its fields, (3 n,)."""
