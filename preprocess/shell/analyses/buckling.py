@@ -6,7 +6,7 @@ all load factors are found, however small. The number of negative pivots of K + 
 above the last factor, is the correct number of factors.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -27,7 +27,8 @@ from .frequencies import GAP, signs
 TOLERANCE = 1e-10
 NONE = 1e-4  # of the largest |mu|: a smaller one is a local effect or round-off
 REVERSED = 1e-2  # the same, of the reversed load
-FEW, MANY = 14, 40  # least number of Krylov vectors: for the size of mu, for the factors
+FEW, MANY = 14, 20  # least number of Krylov vectors: for the size of mu, for the factors
+ABOVE = 1.05  # level above all mu, over their size
 MOST = 100  # restarts of the iteration
 TRIES = 4  # with more factors each time, if some were missed
 DENSE = 400  # unknowns, below which all factors are computed
@@ -129,39 +130,52 @@ class Buckling:
             order = np.flatnonzero(mu > NONE * size)[::-1][: count + 1]
             back = 1.0 / mu[0] if mu[0] < -REVERSED * size else 0.0
             return mu[order], X[:, order], float(back)
-        size = abs(float(self._iterated(G, 1, "LM", 1e-3, FEW)[0][0]))
-        mu, X = np.zeros(0), np.zeros((n, 0))
-        if self._negative(G / (NONE * size)):
-            mu, X = self._iterated(G, count + 1, "LA", TOLERANCE)
+        # the largest |mu| to about three digits, which is less work than the factors
+        lanczos = self._iterated(G, 1, 1e-3, FEW, Minv=self._operator(self._factor.solve))
+        extreme = float(lanczos[0][0])
+        size, mu, X = abs(extreme), np.zeros(0), np.zeros((n, 0))
+        if extreme > 0.0 or self._negative(G / (NONE * size)):
+            mu, X = self._largest(G, count + 1, size)
             order = np.argsort(-mu)
             order = order[mu[order] > NONE * size]
             mu, X = mu[order], X[:, order]
-        return mu, X, self._reversed(G, size)
-
-    def _reversed(self, G: sp.csr_matrix, size: float) -> float:
-        """The smallest factor of the reversed load, below 0; 0 if none is of a size of interest."""
-        if not self._negative(-G / (REVERSED * size)):
-            return 0.0
+        if extreme > 0.0 and not self._negative(-G / (REVERSED * size)):
+            return mu, X, 0.0
         try:
-            mu = -float(self._iterated(-G, 1, "LA", TOLERANCE)[0][0])
+            back = -float(self._largest(-G, 1, size)[0][0])
         except ArpackNoConvergence:
-            return 0.0
-        return 1.0 / mu if mu < -REVERSED * size else 0.0
+            back = 0.0
+        return mu, X, 1.0 / back if back < -REVERSED * size else 0.0
 
     def _negative(self, scaled: sp.csr_matrix) -> int:
         return fenicsx.negative_pivots(self._K - scaled, self._team)
 
+    def _largest(self, G: sp.csr_matrix, count: int, size: float) -> tuple[Array, Array]:
+        """The largest mu and their x: the nearest ones to a level just above all of them.
+
+        Inverse iteration there takes a factorisation more, and a fourth of the steps.
+        """
+        level = ABOVE * size
+        factor = fenicsx.Cholesky(level * self._K - G, self._team, definite=False)
+        inverse = self._operator(lambda x: -factor.solve(x))
+        try:
+            return self._iterated(G, count, TOLERANCE, MANY, sigma=level, OPinv=inverse)
+        finally:
+            factor.close()
+
+    def _operator(self, product: Callable[[Array], Array]) -> LinearOperator:
+        return LinearOperator(self._K.shape, product, dtype=float)
+
     def _iterated(
-        self, G: sp.csr_matrix, count: int, which: str, tolerance: float, least: int = MANY
+        self, G: sp.csr_matrix, count: int, tolerance: float, least: int, **by: Any
     ) -> tuple[Array, Array]:
-        n = G.shape[0]
-        total = self._team.total
-        products = lambda x: total(G @ x), lambda x: total(self._K @ x), self._factor.solve
-        applied, stiffness, inverse = (LinearOperator((n, n), p, dtype=float) for p in products)
-        start = np.random.default_rng(0).standard_normal(n)
+        """Lanczos iteration `by` an inverse, from a start that runs reproduce."""
+        applied, stiffness = (
+            self._operator(lambda x, A=A: self._team.total(A @ x)) for A in (G, self._K)
+        )
         mu, X = eigsh(
-            applied, count, which=which, tol=tolerance, M=stiffness, Minv=inverse, v0=start,
-            ncv=max(3 * count, least), maxiter=MOST,
+            applied, count, M=stiffness, **by, which="LM", tol=tolerance, ncv=max(3 * count, least),
+            maxiter=MOST, v0=np.random.default_rng(0).standard_normal(G.shape[0]),
         )  # fmt: skip
         return mu, X
 
