@@ -15,7 +15,6 @@ from plymotion.solver.package.section.section_file import read_section
 from plymotion.solver.package.shell.shell_file import read_shell
 
 CLOSE = 1e-8
-PREPROCESS = ("-m", "plymotion.preprocess")
 BEAM = {"stiffness": np.diag([7e7, 3e7, 3e7, 5e2, 6e2, 6e2]).tolist(), "mass": np.eye(6).tolist()}
 CLAMPED = {"root": {"at": "left", "fixed": "all"}}
 PULL, PUSH = ({"x": {"tip": {"at": "right", "force": [f, 0.0, 10.0]}}} for f in (1e3, -1e3))
@@ -111,26 +110,48 @@ if team.Ranks().rank == 1:
 sys.exit(main(sys.argv[1:]))
 """
 
+# Several commands one after the other: each job of ranks that begins takes seconds.
+COMMANDS = """
+import json, sys
+from plymotion.preprocess.__main__ import main
+
+sys.exit(max(main(words) for words in json.load(open(sys.argv[1]))))
+"""
+RUNS: dict[str, tuple[str, dict[str, dict[str, Any]], tuple[str, ...]]] = {
+    "sections": ("section", SECTIONS, ()),
+    "refined": ("section", {"box": SECTIONS["box"]}, ("--accuracy", "1e-4")),
+    "shells": ("shell", SHELLS, ()),
+}
+
 
 def files(folder: Path, specs: dict[str, dict[str, Any]]) -> list[Path]:
+    folder.mkdir(exist_ok=True)
     made = [folder / f"{name}.json" for name in specs]
     for file, spec in zip(made, specs.values(), strict=True):
         file.write_text(json.dumps(spec))
     return made
 
 
-def both(folder: Path, command: str, specs: dict[str, dict[str, Any]], *options: str) -> Path:
-    """Results by two ranks in `together`, by this process in the folder that is returned."""
-    made = files(folder, specs)
-    alone = folder / "alone"
-    assert main([command, *map(str, made), "--out-dir", str(alone), *options]) == 0
-    to = ("--out-dir", folder / "together", *options)
-    done = of_ranks(2, *PREPROCESS, command, *made, *to)
+@pytest.fixture(scope="module")
+def both(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder of each run, with results of two ranks in `together`, of this process in `alone`."""
+    root = tmp_path_factory.mktemp("ranks")
+    lines: dict[str, list[list[str]]] = {"alone": [], "together": []}
+    told = []
+    for name, (command, specs, options) in RUNS.items():
+        made = files(root / name, specs)
+        told += [f"[{k}/{len(made)}] {file.stem}: " for k, file in enumerate(made, 1)]
+        for ranks, commands in lines.items():
+            to = "--out-dir", str(root / name / ranks)
+            commands.append([command, *map(str, made), *to, *options])
+    assert [main(words) for words in lines["alone"]] == [0] * len(RUNS)
+    (root / "commands.json").write_text(json.dumps(lines["together"]))
+    done = of_ranks(2, "-c", COMMANDS, root / "commands.json")
     assert done.returncode == 0, done.stderr
-    assert len(done.stdout.splitlines()) == len(made)
-    for k, file in enumerate(made, 1):
-        assert f"[{k}/{len(made)}] {file.stem}: " in done.stdout
-    return alone
+    printed = done.stdout.splitlines()
+    assert len(printed) == len(told)
+    assert all(line.startswith(begin) for line, begin in zip(printed, told, strict=True)), printed
+    return root
 
 
 def test_ranks_have_parts_of_matrices_and_rows_of_their_sum(tmp_path: Path) -> None:
@@ -151,10 +172,10 @@ def test_ranks_have_parts_of_matrices_and_rows_of_their_sum(tmp_path: Path) -> N
 
 
 @pytest.mark.one_end
-def test_sections_by_two_ranks(tmp_path: Path) -> None:
-    alone = both(tmp_path, "section", SECTIONS)
+def test_sections_by_two_ranks(both: Path) -> None:
     for name in SECTIONS:
-        one, two = (read_section(f / f"{name}.vtkhdf") for f in (alone, tmp_path / "together"))
+        files = (both / "sections" / ranks / f"{name}.vtkhdf" for ranks in ("alone", "together"))
+        one, two = map(read_section, files)
         size = np.sqrt(np.diag(one.K))
         limit = CLOSE * np.outer(size, size)
         measured = [each.provenance["round_off"] for each in (one, two)]  # of a thin wall
@@ -171,10 +192,10 @@ def test_sections_by_two_ranks(tmp_path: Path) -> None:
 
 
 @pytest.mark.one_end
-def test_refined_section_by_two_ranks(tmp_path: Path) -> None:
+def test_refined_section_by_two_ranks(both: Path) -> None:
     """With hanging nodes."""
-    alone = both(tmp_path, "section", {"box": SECTIONS["box"]}, "--accuracy", "5e-5")
-    one, two = (read_section(f / "box.vtkhdf") for f in (alone, tmp_path / "together"))
+    files = (both / "refined" / ranks / "box.vtkhdf" for ranks in ("alone", "together"))
+    one, two = map(read_section, files)
     assert len(one.provenance["refinements"]) > 1
     assert one.provenance["dofs"] == two.provenance["dofs"]
     size = np.sqrt(np.diag(one.K))
@@ -182,10 +203,11 @@ def test_refined_section_by_two_ranks(tmp_path: Path) -> None:
 
 
 @pytest.mark.one_end
-def test_shells_by_two_ranks(tmp_path: Path) -> None:
-    alone = both(tmp_path, "shell", SHELLS)
+def test_shells_by_two_ranks(both: Path) -> None:
+    folder = both / "shells"
     for name in SHELLS:
-        one, two = (read_shell(f / f"{name}.vtkhdf") for f in (alone, tmp_path / "together"))
+        files = (folder / ranks / f"{name}.vtkhdf" for ranks in ("alone", "together"))
+        one, two = map(read_shell, files)
         pairs = [
             (one.cases.displacements_G, two.cases.displacements_G),
             (one.cases.resultants_E, two.cases.resultants_E),
@@ -204,7 +226,8 @@ def test_shells_by_two_ranks(tmp_path: Path) -> None:
         for a, b in pairs:
             limit = 1e-9 if name == "linked" else CLOSE
             assert np.abs(a - b).max() < limit * np.abs(a).max(), name
-    assert main(["shell", str(tmp_path / "linked.json"), "--out-dir", str(alone), "--json"]) == 0
+    out = "--out-dir", str(folder / "alone")
+    assert main(["shell", str(folder / "linked.json"), *out, "--json"]) == 0
 
 
 def test_a_failing_rank_ends_all(tmp_path: Path) -> None:

@@ -398,7 +398,7 @@ def without_trials(spec: dict[str, Any]) -> Any:
 @pytest.mark.one_end
 def test_very_thin_twisted_strip_needs_a_high_degree_and_one_row() -> None:
     """t/b = 1e-5: rows across do not change a digit, and degrees up to 6 meet the estimate."""
-    mesh = expand("rectangle", {"width": 1.0, "height": 1e-5})
+    mesh = expand("rectangle", {"width": 1.0, "height": 1e-5, "density": 0.75})
     one_row = {**mesh, "parameters": {**mesh["parameters"], "rows": [1.0]}}
     spec = described(initial_curvature=[0.3, 0.0, 0.0])
     found = analyse({**spec, "mesh": one_row})

@@ -9,11 +9,13 @@ SS3 need one m at a time: exact solutions.
 It reads nothing of the finite elements.
 """
 
+from functools import cache
 from typing import Any
 
 import numpy as np
 import scipy.linalg
 
+leggauss = cache(np.polynomial.legendre.leggauss)
 U, V, W, X, Y = range(5)
 
 
@@ -43,7 +45,7 @@ def matrices(
     C: Any, Ds: Any, R: float, L: float, n: int, terms: Any, N: Any, p: float, free: Any = SS3
 ) -> tuple[Any, Any]:
     """K, and Kg with the load stiffness of a pressure p (outwards) that follows the surface."""
-    points, weights = np.polynomial.legendre.leggauss(2 * max(terms) + 6)
+    points, weights = leggauss(2 * max(terms) + 6)
     x, weight = 0.5 * L * (points + 1.0), 0.5 * L * weights
     K: Any = 0.0
     G: Any = 0.0
@@ -109,7 +111,7 @@ def frequency(
     """
     K, G = matrices(C, Ds, R, L, n, [m], N, 0.0)
     M: Any = 0.0
-    points, weights = np.polynomial.legendre.leggauss(2 * m + 6)
+    points, weights = leggauss(2 * m + 6)
     for phase in range(4):
         q, _ = fields(n, R, L, 0.5 * L * (points + 1.0), 0.5 * np.pi * phase / n, [m], SS3)
         for part, moment in ((q[:, :3], mass[0]), (q[:, 3:], mass[1])):
