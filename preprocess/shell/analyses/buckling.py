@@ -170,9 +170,9 @@ class Buckling:
         self, G: sp.csr_matrix, count: int, tolerance: float, least: int, **by: Any
     ) -> tuple[Array, Array]:
         """Lanczos iteration `by` an inverse, from a start that runs reproduce."""
-        applied, stiffness = (
-            self._operator(lambda x, A=A: self._team.total(A @ x)) for A in (G, self._K)
-        )
+        total = self._team.total
+        applied = self._operator(lambda x: total(G @ x))
+        stiffness = self._operator(lambda x: total(self._K @ x))
         mu, X = eigsh(
             applied, count, M=stiffness, **by, which="LM", tol=tolerance, ncv=max(3 * count, least),
             maxiter=MOST, v0=np.random.default_rng(0).standard_normal(G.shape[0]),
