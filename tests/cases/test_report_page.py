@@ -353,3 +353,16 @@ def test_wrong_script_is_refused_by_the_policy(case_dir: Path, tmp_path: Path) -
         other.open(page)
         assert other.run("document.title") != "changed"
         assert any("Content Security Policy" in error for error in other.errors())
+
+
+def test_the_mechanism_moves_when_the_page_opens(browser: Browser, case_dir: Path) -> None:
+    """At the speed nearest to true time at which 0.1 s take 2 to 20 s; not if the reader objects."""
+    assert browser.run("plymotion.clock.playing") is False
+    browser.reduce_motion(False)
+    browser.open(case_dir / "report.html")
+    browser.wait("plymotion.clock.t > 0")
+    assert browser.run("plymotion.clock.speed") == 0.01
+    assert browser.run("document.getElementById('speed').value") == "0.01"
+    browser.reduce_motion(True)
+    browser.open(case_dir / "report.html")
+    assert browser.run("plymotion.clock.t") == 0.0

@@ -81,8 +81,8 @@ class Browser:
         self._session = attached["sessionId"]
         for domain in ("Page", "Runtime", "Network", "Log"):
             self.call(f"{domain}.enable")
-        scheme = {"name": "prefers-color-scheme", "value": "dark" if dark else "light"}
-        self.call("Emulation.setEmulatedMedia", features=[scheme])
+        self._scheme = {"name": "prefers-color-scheme", "value": "dark" if dark else "light"}
+        self.reduce_motion(True)
         self.size(1280, 900)
 
     def __enter__(self) -> "Browser":
@@ -97,6 +97,11 @@ class Browser:
             self._process.wait()
         os.close(self._read)
         self._log.close()
+
+    def reduce_motion(self, asked: bool) -> None:
+        """Whether pages are told that the reader wants less motion: then none plays by itself."""
+        motion = {"name": "prefers-reduced-motion", "value": "reduce" if asked else ""}
+        self.call("Emulation.setEmulatedMedia", features=[self._scheme, motion])
 
     def call(self, method: str, **parameters: Any) -> dict[str, Any]:
         """Send a command; return its result."""

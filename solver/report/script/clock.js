@@ -21,7 +21,8 @@ const clock = {
       let before = performance.now();
       const step = (now) => {
         if (!this.playing) return;
-        const t = this.t + ((now - before) / 1000) * this.speed;
+        // A page that was hidden goes on where it was.
+        const t = this.t + (Math.min(now - before, 1000) / 1000) * this.speed;
         before = now;
         if (t >= this.end) this.playing = false;
         this.set(t);
@@ -30,5 +31,11 @@ const clock = {
       requestAnimationFrame(step);
     }
     this.set(this.t);
+  },
+  // As near to true time as the whole run takes 2 to 20 s.
+  fitSpeed(speeds) {
+    const fit = speeds.filter((speed) => this.end >= 2 * speed && this.end <= 20 * speed);
+    const near = (speed) => Math.abs(Math.log(speed));
+    this.speed = fit.sort((a, b) => near(a) - near(b))[0] ?? (this.end > speeds.at(-1) ? speeds.at(-1) : speeds[0]);
   },
 };

@@ -144,6 +144,8 @@ function setUpView() {
   field('view-run').addEventListener('change', changeRun);
   field('play').addEventListener('click', () => clock.toggle());
   field('slider').addEventListener('input', () => { clock.playing = false; clock.set(nearestTime(field('slider').value * clock.end)); });
+  clock.fitSpeed([...field('speed').options].map((each) => Number(each.value)));
+  field('speed').value = String(clock.speed);
   field('speed').addEventListener('change', () => (clock.speed = Number(field('speed').value)));
   field('home').addEventListener('click', () => { view.camera = homeCamera(runShown().scene, shownNow(runShown().scene)); view.mark = null; redraw(); });
   field('worst').addEventListener('click', () => { const [worst] = runShown().worst; showPlace({ ...worst, run: runShown().name }); });
