@@ -182,22 +182,39 @@ OUTSIDE = 1.1  # width of a joint, over the radius of its beam
 SHIFTS = ("x", "y", "z")
 
 
-def glyph(free: tuple[str, ...], width: float) -> tuple[Array, IntArray]:
+def glyph(link: Link, width: float) -> tuple[Array, IntArray]:
     """Return points (p, 3) of a joint, in its axes, and triangles (f, 3); none of a fixed one.
 
-    What turns about an axis is a cylinder along it, what slides a bar, what turns about all a ball.
+    What turns about an axis is a cylinder along it, what slides a bar, what does both a longer
+    cylinder (of a screw a twisted bar), what moves in a plane a disc, what turns about all axes a
+    ball (on a line with the line).
 
-    free : free directions of the joint: x, y, z, about x, about y, about z (results/run_result.py)
+    Parameters
+    ----------
+    link : the joint: its kind and free directions
+    width : of the joint [m]
     """
-    shifts = [each for each in free if each in SHIFTS]
-    if not free:
+    turns = [each for each in link.free if each not in SHIFTS]
+    shifts = len(link.free) - len(turns)
+    ball, cells = unit_sphere()
+    if not link.free:
         return np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int64)
-    if shifts and len(shifts) < len(SHIFTS):
-        return prism(4 if len(free) == len(shifts) else 20, 0.7 * width, 2.5 * width)
-    if free == ("about z",):
+    if link.free == ("about z",):
         return prism(20, 0.9 * width, 1.3 * width)
-    points, cells = unit_sphere()
-    return width * points, halved(cells)
+    if shifts == 2:
+        return prism(20, 2.0 * width, 0.3 * width)
+    if shifts != 1:
+        return width * ball, halved(cells)
+    if len(turns) == 3:
+        line, faces = prism(8, 0.3 * width, 2.5 * width)
+        return np.concatenate([line, width * ball]), np.concatenate(
+            [faces, halved(cells) + len(line)]
+        )
+    points, faces = prism(20 if turns and link.kind != "screw" else 4, 0.7 * width, 2.5 * width)
+    if link.kind == "screw":
+        upper = points[:, 2] > 0.0
+        points[upper, :2] = points[upper, :2] @ np.array([[1.0, 1.0], [-1.0, 1.0]]) / np.sqrt(2.0)
+    return points, faces
 
 
 def joint_width(body: BodyGeometry, view: BodyView, side: Side, size: float) -> float:
@@ -331,7 +348,7 @@ def _body(
         for side in link.sides:
             if side.body != number:
                 continue
-            points, faces = glyph(link.free, joint_width(body, view, side, size))
+            points, faces = glyph(link, joint_width(body, view, side, size))
             triangles.append(faces + sum(len(part) for part in node))
             node.append(np.full(len(points), count))
             offset.append(points @ side.A_BM.T)
