@@ -47,9 +47,11 @@ def site_stress(sites: Sites, q: Array) -> Array:
     return _of_points(sites, q, _stresses)[0]
 
 
-def weakest_ply(sites: Sites, q: Array) -> IntArray:
-    """Row in `plies` of the ply with the largest exposure over the times of q, (s,); -1 without."""
-    exposure, point = _of_points(sites, q, _exposures)
+def _weakest_ply(sites: Sites, exposure: Array, point: IntArray) -> IntArray:
+    """Row in `plies` of the ply with the largest exposure over the times, (s,); -1 without.
+
+    exposure, point : of the governing point of each site and time (k, s)
+    """
     known = np.asarray(np.isfinite(exposure).all(axis=0))
     time = np.argmax(np.nan_to_num(exposure), axis=0)
     return np.where(known, sites.point_ply[point[time, np.arange(len(known))]], -1)
@@ -392,20 +394,22 @@ def _sites(blob: Blob, sites: Sites, q: Array) -> dict[str, object]:
     """
     unit = np.eye(q.shape[1])
     both = np.concatenate([unit, -unit])
-    fields = {"energy": (site_energy, unit)}
+    fields = {"energy": (site_energy(sites, q), site_energy(sites, unit))}
     table: dict[str, object] = {"dimension": sites.dimension}
     if len(sites.stress_M):
-        fields |= {"exposure": (site_exposure, both), "stress": (site_stress, both)}
-        used, ply = np.unique(weakest_ply(sites, q), return_inverse=True)
+        exposure, point = _of_points(sites, q, _exposures)
+        fields["exposure"] = exposure, site_exposure(sites, both)
+        fields["stress"] = site_stress(sites, q), site_stress(sites, both)
+        used, ply = np.unique(_weakest_ply(sites, exposure, point), return_inverse=True)
         table["ply"] = blob.add(ply, "|u1" if len(used) < STEPS else "<u4")
         table["plies"] = [_ply_name(sites, row) for row in used.tolist()]
-    for name, (field, alone) in fields.items():
-        values = np.nan_to_num(field(sites, q))
+    for name, (found, alone) in fields.items():
+        values = np.nan_to_num(found)
         top = float(values.max(initial=0.0)) or 1.0
         table[name] = {
             "top": top,
             "steps": blob.add(np.round(STEPS / top * values), "|u1"),  # (k, s)
-            "alone": blob.add(np.nan_to_num(field(sites, alone))),  # (m or 2m, s)
+            "alone": blob.add(np.nan_to_num(alone)),  # (m or 2m, s)
         }
     return table
 

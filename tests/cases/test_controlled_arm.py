@@ -45,7 +45,7 @@ def test_the_stop_holds_the_shoulder(both):
 def test_tight_tolerances_do_not_change_it(runs, both):
     """Default settings against a run a thousand times as accurate; also the explicit method."""
     t, found, _ = both["stopped"]
-    _, fine, _ = run_case(runs / "stopped.json", t_end=0.6, rtol=1e-7)
-    n = int(np.searchsorted(t, 0.6)) + 1
+    _, fine, _ = run_case(runs / "stopped.json", t_end=0.3, rtol=1e-7)
+    n = int(np.searchsorted(t, 0.3)) + 1
     np.testing.assert_allclose(found["shoulder"][:n], fine["shoulder"], atol=2e-4)
     np.testing.assert_allclose(found["tip_y"][:n], fine["tip_y"], atol=2e-4)

@@ -2,7 +2,7 @@
 
 import ast
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -82,9 +82,9 @@ def facts_of(path: Path) -> Facts:
     text = path.read_text("utf-8")
     if not any(word in text for word in ("code", "Finding", *MAKERS)):
         return Facts()  # without the words that are looked for: it need not be parsed
-    tree = ast.parse(text)
-    found = Facts(set(written_codes(tree)))
-    for node in ast.walk(tree):
+    nodes = list(ast.walk(ast.parse(text)))
+    found = Facts(set(written_codes(nodes)))
+    for node in nodes:
         if isinstance(node, ast.Call):
             found.makes |= getattr(node.func, "id", "") == "Finding"
         elif isinstance(node, ast.ClassDef):
@@ -94,9 +94,9 @@ def facts_of(path: Path) -> Facts:
     return found
 
 
-def written_codes(tree: ast.AST) -> Iterator[str]:
+def written_codes(nodes: Iterable[ast.AST]) -> Iterator[str]:
     """Codes that a source writes as text: {"code": TEXT}, or the first argument of MAKERS."""
-    for node in ast.walk(tree):
+    for node in nodes:
         found: list[ast.expr | None] = []
         if isinstance(node, ast.Dict):
             pairs = zip(node.keys, node.values, strict=True)

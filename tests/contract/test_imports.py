@@ -169,7 +169,7 @@ def test_a_run_imports_what_it_uses(repository: Path, tmp_path: Path) -> None:
         done = subprocess.run(command, capture_output=True, text=True, cwd=repository)
         assert done.returncode == 0, done.stderr
     loaded = set(done.stdout.split())
-    assert not loaded & {"scipy", "matplotlib", "numba", "tqdm", "meshio", "pyvista"}
+    assert not loaded & {"scipy", "pydantic", "matplotlib", "numba", "tqdm", "meshio", "pyvista"}
     assert not loaded & {"numpy.ma", "subprocess", "multiprocessing", "socket", "difflib"}
     assert "plymotion.solver.report" not in loaded
     assert "plymotion.solver.inputs.case.load" not in loaded
@@ -238,10 +238,3 @@ def test_benchmarks_import_what_exists(file: Path) -> None:
             for alias in node.names:
                 if not hasattr(module, alias.name):
                     importlib.import_module(f"{node.module}.{alias.name}")
-
-
-def test_a_run_loads_no_models(repository: Path) -> None:
-    """Building the models of a case takes 0.2 s, several times as long as a run (adr/0013)."""
-    program = "import sys; import plymotion.solver.run.execution; print('pydantic' in sys.modules)"
-    done = this_python("-c", program, cwd=repository, check=True)
-    assert done.stdout.strip() == "False"

@@ -3,7 +3,6 @@
 import json
 import os
 import re
-import shutil
 import signal
 import subprocess
 import sys
@@ -14,7 +13,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from harness.dask_cluster import until
-from harness.processes import this_python
 from harness.struck_samples import narrow_pipe
 
 from plymotion.solver.__main__ import main
@@ -212,37 +210,14 @@ def test_a_missing_compiler_is_named_with_its_packages(
     assert not (folder / "build/sections/bar/bar.vtkhdf").exists()
 
 
-def test_installed_package_hides_nothing_of_the_other_python(
-    folder: Path, repository: Path, fenicsx: str, system: str
-) -> None:
-    # As a wheel lies in site-packages, beside modules that are built for this Python.
-    site = folder / "site-packages"
-    shutil.copytree(repository / "plymotion", site / "plymotion")  # its bytecode stays valid
-    for part in ("solver", "preprocess", "meshes"):
-        shutil.copytree(repository / part, site / "plymotion" / part)
-    (site / "gmsh.py").write_text("raise ImportError('of the wrong Python')\n")
-    if not system:
-        done = process(
-            folder,
-            *("bar.toml", "--no-figures", "--no-estimate"),
-            PYTHONPATH=str(site),
-            FENICSX_PYTHON=fenicsx,
-        )
-        # PYTHONPATH is the user's word, so gmsh is hidden here ...
-        assert done.returncode == 2
-        assert "of the wrong Python" in done.stderr
-    # ... and not if the package is found as an installed one is.
-    start = f"import sys; sys.path.insert(0, {str(site)!r}); sys.argv[0] = 'plymotion'; "
-    start += "from plymotion.solver.__main__ import main; sys.exit(main())"
-    done = this_python(
-        "-c",
-        start,
-        *command("bar.toml", "--no-figures", "--no-estimate")[3:],
-        cwd=folder,
-        more={"FENICSX_PYTHON": fenicsx},
-    )
-    assert done.returncode == 0, done.stderr
-    assert (folder / "build" / "sections" / "bar" / "bar.vtkhdf").exists()
+def test_python_path_is_the_word_of_the_user(folder: Path, run: Run, fenicsx: str) -> None:
+    """A module there is found before that of FEniCSx; test_wheel.py has an installed package."""
+    (folder / "gmsh.py").write_text("raise ImportError('of the wrong Python')\n")
+    path = os.pathsep.join([str(folder), os.environ.get("PYTHONPATH", "")])
+    words = ("bar.toml", "--no-figures", "--no-estimate")
+    done = run(*words, PYTHONPATH=path, FENICSX_PYTHON=fenicsx)
+    assert done.returncode == 2
+    assert "of the wrong Python" in done.stderr
 
 
 def test_study_with_a_bad_variant_and_shards(folder: Path, run: Run) -> None:

@@ -1,6 +1,6 @@
 """Files of other codes that are cut off, or announce absurd counts: refused with words.
 
-In processes of their own: a library may end by a segmentation fault.
+What changes at random is read in processes of their own: a library may end by a segmentation fault.
 """
 
 import random
@@ -17,7 +17,7 @@ from harness.processes import this_python
 from samples.brick_model import brick
 from samples.exchange_samples import exported, write_matrices
 
-from plymotion.solver.__main__ import main
+from plymotion.preprocess.exchange.__main__ import main as exchange
 
 NUMBER = re.compile(rb"-?\d+(\.\d*)?([eEdD][+-]?\d+)?")
 VALUES = [
@@ -73,7 +73,7 @@ def sources(tmp_path_factory):
     folder = tmp_path_factory.mktemp("exchange")
     file = write_matrices(folder / "matrices", brick((0.5, 0.04, 0.01), (4, 1, 1), density=2700.0))
     package = folder / "arm.vtkhdf"
-    assert main(["import", str(file), "--out", str(package), "--quiet"]) == 0
+    assert exchange(["import", str(file), "--out", str(package), "--quiet"]) == 0
     for source in ("uff", "med"):
         (folder / source).mkdir()
         exported(package, source, folder / source / f"arm.{source}")
@@ -134,7 +134,7 @@ def test_a_damping_ratio_is_a_fraction_of_critical(sources, tmp_path, capfd, rat
     file = copy / "arm.toml"
     text = file.read_text("utf-8")
     file.write_text(text.replace("damping_ratio = 0.01", f"damping_ratio = {ratio}"), "utf-8")
-    assert main(["import", str(file), "-o", str(copy / "o.vtkhdf"), "--quiet"]) == 2
+    assert exchange(["import", str(file), "-o", str(copy / "o.vtkhdf"), "--quiet"]) == 2
     assert f"arm.toml: damping_ratio = {float(ratio):g}: expected" in capfd.readouterr().err
     assert not (copy / "o.vtkhdf").exists()
 
@@ -164,14 +164,13 @@ ODD_MATRICES = {
 
 @pytest.mark.parametrize("name", ODD_MATRICES)
 def test_damaged_matrices_are_refused(sources, tmp_path, monkeypatch, capfd, name):
-    """The command reads them in a process of its own."""
     folder = next(iter(sources))
     copy = tmp_path / "copy"
     shutil.copytree(folder, copy)
     text = "%%MatrixMarket matrix coordinate real symmetric\n" + ODD_MATRICES[name]
     (copy / "M.mtx").write_text(text)
     monkeypatch.chdir(copy)
-    assert main(["import", "arm.toml", "-o", "o.vtkhdf", "--quiet"]) == 2
+    assert exchange(["import", "arm.toml", "-o", "o.vtkhdf", "--quiet"]) == 2
     told = capfd.readouterr().err
     assert "M.mtx" in told
     assert "Traceback" not in told

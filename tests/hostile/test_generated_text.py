@@ -94,31 +94,33 @@ def test_the_script_for_exudyn_is_python_that_finds_its_package(
     count("export: hostile names in generated files", "done")
 
 
-def lines_of_deck(package: ModalPackage, code: str, body: str, folder: Path) -> list[bytes]:
-    file, out = folder / "arm.vtkhdf", folder / f"arm{DECKS[code]}"
+def lines_of_decks(package: ModalPackage, body: str, folder: Path) -> dict[str, list[bytes]]:
+    """The lines of the package in each format."""
+    file, lines = folder / "arm.vtkhdf", {}
     write_package(file, named(package, body))
-    assert exchange(["export", str(file), "--to", code, "-o", str(out)]) == 0
-    return out.read_bytes().splitlines()
+    for code, suffix in DECKS.items():
+        out = folder / f"arm{suffix}"
+        assert exchange(["export", str(file), "--to", code, "-o", str(out)]) == 0
+        lines[code] = out.read_bytes().splitlines()
+    return lines
 
 
-@pytest.fixture(scope="module", params=DECKS)
-def deck(
-    request: pytest.FixtureRequest, package: ModalPackage, tmp_path_factory: pytest.TempPathFactory
-) -> tuple[str, list[bytes]]:
-    """A format, and the lines of the package with a plain name."""
-    folder = tmp_path_factory.mktemp("plain")
-    return request.param, lines_of_deck(package, request.param, "arm", folder)
+@pytest.fixture(scope="module")
+def plain(
+    package: ModalPackage, tmp_path_factory: pytest.TempPathFactory
+) -> dict[str, list[bytes]]:
+    return lines_of_decks(package, "arm", tmp_path_factory.mktemp("plain"))
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_a_name_adds_no_line_to_a_deck(
-    package: ModalPackage, deck: tuple[str, list[bytes]], name: str, tmp_path: Path
+    package: ModalPackage, plain: dict[str, list[bytes]], name: str, tmp_path: Path
 ) -> None:
-    code, plain = deck
-    hostile = lines_of_deck(package, code, name, tmp_path)
-    assert len(plain) == len(hostile)
-    for one, other in zip(plain, hostile, strict=True):
-        assert one == other or b"arm" in one
+    hostile = lines_of_decks(package, name, tmp_path)
+    for code in DECKS:
+        assert len(plain[code]) == len(hostile[code]), code
+        for one, other in zip(plain[code], hostile[code], strict=True):
+            assert one == other or b"arm" in one, code
     count("export: hostile names in generated files", "done")
 
 

@@ -38,8 +38,8 @@ axis = [0.0, 0.0, 1.0]
 drive = { polynomial = [0.0, 0.0, 8.0] }
 
 [variants.impossible]
-fidelity = { accuracy = 1e-9, signals = ["force"], budget = 0.5 }
-solver = { t_end = 0.03 }
+fidelity = { accuracy = 1e-9, signals = ["force"], budget = 0.05 }
+solver = { t_end = 0.003 }
 
 [runs.base]
 [runs.impossible]

@@ -95,7 +95,7 @@ def test_a_pulse_at_the_peak_of_a_state(tmp_path, integrator):
     """sin(t) is above 1 - 1e-6 within a fifth of a step; states were taken as linear in each."""
     law = "expression = \"1000 * max(0, state('s') - 0.999999) / 1e-6\""
     solver = f'integrator = "{integrator}"\n[states.s]\nrate = "cos(t)"'
-    final, _ = speed(tmp_path, law, 3.0, solver, 0.5)
+    final, _ = speed(tmp_path, law, 2.0, solver, 0.5)
     assert final == pytest.approx(4000.0 / 3.0 * 2e-6**0.5 / MASS, rel=1e-4)
 
 
