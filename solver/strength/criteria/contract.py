@@ -18,7 +18,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...math.arrays import Array, IntArray
 from ...package.common.materials import PlyStrength, YieldStrength
@@ -30,8 +29,13 @@ class Verdict:
 
     exposure: Array  # 1 / R: 0 without stress, 1 at failure, proportional to the stress [-]
     index: Array  # value of the governing condition, 1 at failure [-]
-    mode: IntArray  # which condition governs: a number of `modes`
+    shares: Array  # (..., n) of the n `modes`: that of the largest share governs
     modes: tuple[str, ...]
+
+    @property
+    def mode(self) -> IntArray:
+        """Number of the mode that governs; a search asks for it at one point of many."""
+        return np.argmax(np.nan_to_num(self.shares), axis=-1)
 
     @property
     def ratio(self) -> Array:
@@ -63,12 +67,11 @@ def governing(modes: tuple[str, ...], exposures: list[Array], indices: list[Arra
     exposures : exposure of each condition, arrays of one shape
     indices : failure index of each condition, arrays of that shape
     """
-    E, index = np.stack(exposures), np.stack(indices)
-    mode = np.argmax(E, axis=0)
-    pick: NDArray[np.int64] = mode[None]
-    return Verdict(
-        np.take_along_axis(E, pick, 0)[0], np.take_along_axis(index, pick, 0)[0], mode, modes
-    )
+    highest, index = exposures[0], indices[0]
+    for one, own in zip(exposures[1:], indices[1:], strict=True):
+        index = np.where(one > highest, own, index)
+        highest = np.maximum(highest, one)
+    return Verdict(highest, index, np.stack(exposures, axis=-1), modes)
 
 
 Assess = Callable[[Array, Any], Verdict]

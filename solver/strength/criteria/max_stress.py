@@ -15,14 +15,17 @@ MODES = (
 
 
 def exhausted(stress_M: Array, strength: PlyStrength) -> Array:
-    """Each stress over its strength, (..., 9) in the order of MODES; negative for the other
+    """Each stress over its strength, (9, ...) in the order of MODES; negative for the other
     sign."""
-    s = np.asarray(stress_M, dtype=float)
-    tension = s[..., :3] / [strength.Xt, strength.Yt, strength.Zt]
-    compression = -s[..., :3] / [strength.Xc, strength.Yc, strength.Zc]
-    shear = np.abs(s[..., 3:]) / [strength.S23, strength.S13, strength.S12]
-    normal = np.stack([tension, compression], axis=-1).reshape(*s.shape[:-1], 6)
-    return np.concatenate([normal, shear], axis=-1)
+    s = np.moveaxis(np.asarray(stress_M, dtype=float), -1, 0)
+    used = np.empty((len(MODES), *s.shape[1:]))  # the largest of a row of nine takes long
+    tension = strength.Xt, strength.Yt, strength.Zt
+    compression = strength.Xc, strength.Yc, strength.Zc
+    shear = strength.S23, strength.S13, strength.S12
+    for k in range(3):
+        used[2 * k], used[2 * k + 1] = s[k] / tension[k], -s[k] / compression[k]
+        used[6 + k] = np.abs(s[3 + k]) / shear[k]
+    return used
 
 
 def max_stress(stress_M: Array, strength: PlyStrength) -> Verdict:
@@ -33,8 +36,8 @@ def max_stress(stress_M: Array, strength: PlyStrength) -> Verdict:
     stress_M : (..., 6) stress in ply axes, order 11, 22, 33, 23, 13, 12 [Pa]
     """
     used = exhausted(stress_M, strength)
-    highest = used.max(axis=-1)
-    return Verdict(highest, highest, np.argmax(used, axis=-1), MODES)
+    highest = np.asarray(used.max(axis=0))
+    return Verdict(highest, highest, np.moveaxis(used, 0, -1), MODES)
 
 
 CRITERION = Criterion("max-stress", PlyStrength, max_stress, order=1)

@@ -30,27 +30,31 @@ def tsai_hill(stress_M: Array, strength: PlyStrength) -> Verdict:
     stress_M : (..., 6) stress in ply axes, order 11, 22, 33, 23, 13, 12 [Pa]
     """
     s = np.asarray(stress_M, dtype=float)
-    squares = _normalised(s, strength) ** 2
+    squares = _normalised(s, strength) ** 2  # (6, ...)
     tension = s[..., :3] >= 0.0
     H2, G2, F2 = _pairs(tension, strength)
     s1, s2, s3 = (s[..., i] for i in range(3))
-    index = squares.sum(axis=-1) - H2 * s1 * s2 - G2 * s1 * s3 - F2 * s2 * s3
+    index = squares.sum(axis=0) - H2 * s1 * s2 - G2 * s1 * s3 - F2 * s2 * s3
     index = np.maximum(index, 0.0)  # in Hill's theory a hydrostatic stress causes no failure
-    return Verdict(np.sqrt(index), index, np.argmax(squares, axis=-1), MODES)
+    return Verdict(np.sqrt(index), index, np.moveaxis(squares, 0, -1), MODES)
 
 
 def tsai_hill_bound(stress_M: Array, strength: PlyStrength) -> Array:
     """A convex function of the stress, never below the exposure, (...), proportional to it."""
     u = _normalised(np.asarray(stress_M, dtype=float), strength)
-    return np.asarray(np.sqrt((u * u) @ _weights(strength)))
+    return np.asarray(np.sqrt(np.moveaxis(u * u, 0, -1) @ _weights(strength)))
 
 
 def _normalised(s: Array, strength: PlyStrength) -> Array:
-    tensile = np.array([strength.Xt, strength.Yt, strength.Zt])
-    compressive = np.array([strength.Xc, strength.Yc, strength.Zc])
-    normal = np.maximum(s[..., :3] / tensile, -s[..., :3] / compressive)
-    shear = np.abs(s[..., 3:]) / [strength.S23, strength.S13, strength.S12]
-    return np.concatenate([normal, shear], axis=-1)
+    """Stresses over their strengths, (6, ...)."""
+    tensile = strength.Xt, strength.Yt, strength.Zt
+    compressive = strength.Xc, strength.Yc, strength.Zc
+    shear = strength.S23, strength.S13, strength.S12
+    used = np.empty((6, *s.shape[:-1]))
+    for k in range(3):
+        used[k] = np.maximum(s[..., k] / tensile[k], -s[..., k] / compressive[k])
+        used[3 + k] = np.abs(s[..., 3 + k]) / shear[k]
+    return used
 
 
 def _pairs(tension: NDArray[np.bool_], strength: PlyStrength) -> tuple[Array, Array, Array]:

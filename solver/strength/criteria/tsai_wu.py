@@ -45,7 +45,7 @@ def tsai_wu(stress_M: Array, strength: PlyStrength) -> Verdict:
     # Share of each stress in a + b once the stress is scaled to failure.
     with np.errstate(divide="ignore", invalid="ignore"):
         shares = s * force / exposures[..., None] + s * F_i
-    return Verdict(exposures, a + b, np.argmax(np.nan_to_num(shares), axis=-1), MODES)
+    return Verdict(exposures, a + b, shares, MODES)
 
 
 CRITERION = Criterion("tsai-wu", PlyStrength, tsai_wu, order=3)

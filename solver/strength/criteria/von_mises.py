@@ -26,7 +26,7 @@ def von_mises(stress: Array, strength: YieldStrength) -> Verdict:
     stress : (..., 6) order 11, 22, 33, 23, 13, 12 [Pa]
     """
     used = equivalent_stress(stress) / strength.yield_stress
-    return Verdict(used, used, np.zeros(used.shape, dtype=np.int64), MODES)
+    return Verdict(used, used, used[..., None], MODES)
 
 
 CRITERION = Criterion("von-mises", YieldStrength, von_mises, order=1)
