@@ -4,7 +4,7 @@ import os
 import signal
 import subprocess
 import sys
-import time
+import threading
 from collections import Counter
 from pathlib import Path
 
@@ -208,7 +208,10 @@ def cluster(scheduler):
 
 
 def test_a_dask_worker_is_killed_in_the_middle(tmp_path, alone, cluster, monkeypatch):
-    """Each member has one row; the numbers are those of this process to the last bit."""
+    """Each member has one row; the numbers are those of this process to the last bit.
+
+    The workers come later than the command, as those of a queue do.
+    """
     file, expected = alone
     told = Counter()
 
@@ -226,22 +229,23 @@ def test_a_dask_worker_is_killed_in_the_middle(tmp_path, alone, cluster, monkeyp
 
     monkeypatch.setattr(portions, "Portions", Watched)
     monkeypatch.setattr(portions, "compute_portion", samples.noted_portion)
-    first = cluster.worker()
-    second = cluster.worker()
-    killed = []
+    workers, killed = [], []
+    later = threading.Timer(2.0, lambda: workers.extend(cluster.worker() for _ in range(2)))
     took = Watched.took
 
     def took_and_killed(self, task, result):
         took(self, task, result)
-        if not killed and {pid for pid, _ in cluster.noted()} >= {first.pid, second.pid}:
-            killed.append(first.pid)
-            first.kill()
+        if not killed and {pid for pid, _ in cluster.noted()} >= {each.pid for each in workers}:
+            killed.append(workers[0].pid)
+            workers[0].kill()
 
     monkeypatch.setattr(Watched, "took", took_and_killed)
     out = tmp_path / "dask"
+    later.start()
     assert sweep(file, "--out", str(out), "--scheduler", str(cluster.file)) == 3
     assert killed, "the sweep was over before a worker could be killed"
     assert told == dict.fromkeys(range(20), 1)
+    first, second = workers
     by_worker = {pid: [] for pid in (first.pid, second.pid)}
     for pid, numbers in cluster.noted():
         by_worker[pid] += numbers
@@ -250,22 +254,6 @@ def test_a_dask_worker_is_killed_in_the_middle(tmp_path, alone, cluster, monkeyp
     assert survivor.keys() | set(by_worker[first.pid]) == set(range(20))
     assert by_worker[first.pid], "the other one had no part in it"
     assert_same_bits(out / "sweep.h5", expected)
-
-
-def test_dask_workers_may_come_later(tmp_path, cluster):
-    """The command waits for them, as for those of a queue."""
-    file = ball(tmp_path, f"{FORCE} = [1.0, 2.0]")
-    path = os.pathsep.join([str(TESTS), os.environ.get("PYTHONPATH", "")])
-    words = ["-m", "plymotion", "sweep", str(file), "--quiet", "--no-figures"]
-    process = subprocess.Popen(
-        [sys.executable, *words, "--executor", "dask", "--scheduler", str(cluster.file)],
-        env=os.environ | {"PYTHONPATH": path},
-    )
-    time.sleep(2.0)
-    assert process.poll() is None
-    cluster.worker()
-    assert process.wait(timeout=60) == 0
-    assert read_sweep(file.with_suffix("") / "sweep.h5").count("finished") == 2
 
 
 @pytest.mark.parametrize(

@@ -92,7 +92,7 @@ def written(folder, package):
 def test_every_speed_is_accepted(d, more, tmp_path, capsys):
     """Twist and stretch are stiff: the stiffness of the free turn is their round-off."""
     written(tmp_path, shaft(d, more=STIFF))
-    for speed in (60, 100, 231, 300, 600):
+    for speed in (60, 231, 600):
         found = modes_at(tmp_path, rotor(), f"spin={speed}", *AXIS, capsys=capsys, more=more)
         first, second = found["modes"][:2]
         assert first["angular_frequency"] == 0.0
