@@ -184,6 +184,11 @@ def test_the_speed_follows_its_loop(rigid_case, tmp_path):
             ACTUATOR * (asked - pitch),
         ]
 
+    # Before the wake follows, pitch changes the torque about twice as much: damping stays.
+    A = np.column_stack([rates(0.0, unit) for unit in np.eye(5)])
+    A[0, 4] *= 2.0
+    roots = np.linalg.eigvals(A)
+    assert (-roots.real / np.abs(roots)).min() > 0.5
     expected = solve_ivp(rates, (0.0, 16.0), np.zeros(5), t_eval=result.t, rtol=1e-8).y[0]
     change = found["speed"] - point.speed
     assert np.abs(change - expected).max() < 0.1 * np.abs(expected).max()

@@ -169,7 +169,7 @@ def write_turbine(
         name=blade.file.name, file=ROTOR_CASE, title=toml_value(f"{blade.file.stem} in the wind"),
         wind=steady.wind, speed=steady.speed, pitch=steady.pitch, fine=math.radians(steady.fine),
         rated=t.rated, slowest=t.slowest or 0.2 * t.rated, torque=t.rated_torque,
-        best=rotor.best(), w=w, low_pass=10.0 * w,
+        best=rotor.best(), w=w, low_pass=20.0 * w,
         limit=machine.limit, axis=_list(n), blades=toml_value(rotor.blades), height=machine.height,
         pitches=_list([p for p, _ in gained]), gains=_list([g for _, g in gained]),
         error=ERROR, free=FREE, demand=DEMAND,
