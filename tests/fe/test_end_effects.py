@@ -75,13 +75,13 @@ compliance = cache(held_compliance)
 BARS: dict[str, Any] = {
     "square, twice as long as wide": (
         (0.08, 0.04, 0.04),
-        (16, 6, 6),
+        (16, 4, 4),
         of_metal,
         rectangle_spec(0.04, 0.04, METAL),
     ),
     "square, of carbon": (
         (0.16, 0.04, 0.04),
-        (20, 6, 6),
+        (20, 4, 4),
         constant(CFRP),
         rectangle_spec(0.04, 0.04, CFRP),
     ),
@@ -126,7 +126,7 @@ def test_the_indicated_share_grows_as_the_bar_gets_shorter() -> None:
     section, shares = analyse(rectangle_spec(0.04, 0.04, METAL), estimate=False), []
     for length in (0.16, 0.08, 0.04):
         whole, lost = of_beam(section, length)
-        solid = compliance((length, 0.04, 0.04), (min(round(length / 0.005), 16), 6, 6), of_metal)
+        solid = compliance((length, 0.04, 0.04), (min(round(length / 0.005), 16), 4, 4), of_metal)
         shares.append((lost[2, 2] / whole[2, 2], 1.0 - solid[2, 2] / whole[2, 2]))
     indicated, true = np.array(shares).T
     assert np.all(np.diff(indicated) > 0.0)

@@ -68,7 +68,7 @@ def described(
 def box(wall: float = 6e-4, **more: Any) -> dict[str, Any]:
     angles = {"all": (20.0, -35.0, 60.0), "top": (0.0, 15.0, 70.0), "left": (45.0, 10.0, -80.0)}
     plies = {name: [(angle, wall / 3) for angle in some] for name, some in angles.items()}
-    sizes = {"width": 0.024, "height": 0.014, "wall": wall, "density": 0.5}
+    sizes = {"width": 0.024, "height": 0.014, "wall": wall, "density": 0.3}
     return described("box", sizes, plies, **more)
 
 
@@ -149,7 +149,7 @@ def test_twelve_angles() -> None:
 def station() -> dict[str, Any]:
     """A blade's section of three cells with caps and two webs."""
     sizes = {"contour": "naca4415", "chord": 0.3, "skin": 8e-4, "cap": 1.6e-3, "web": 1e-3}
-    sizes |= {"webs": [0.2, 0.45], "density": 0.4}
+    sizes |= {"webs": [0.2, 0.45], "density": 0.25}
     plies = {"all": [(45.0, 4e-4), (-45.0, 4e-4)], "web-1": [(45.0, 1e-3)], "web-2": [(30.0, 1e-3)]}
     caps = [(45.0, 4e-4), (0.0, 8e-4), (10.0, 4e-4)]
     return described("airfoil", sizes, plies | {"cap-upper": caps, "cap-lower": caps})
@@ -194,7 +194,7 @@ def test_sizes_and_thicknesses() -> None:
 
     The fresh meshes are those of gmsh, whose nodes have an error of 1e-8 of their curve.
     """
-    sizes = {"width": 0.024, "height": 0.014, "wall": 6e-4, "density": 0.4}
+    sizes = {"width": 0.024, "height": 0.014, "wall": 6e-4, "density": 0.25}
     flat = described("box", sizes, {"all": [(25.0, 6e-4)]})
     twisted = {**flat, "initial_curvature": [3.0, 1.0, -2.0]}
     ring = described("tube", {"outer_radius": 0.02, "wall": 2e-3}, {"all": [(20.0, 1e-3)] * 2})
