@@ -13,7 +13,6 @@ import tomllib
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -32,7 +31,7 @@ from plymotion.solver.workers.executors import Here
 from tests.samples.design_samples import BEST, CARBON, angles, oscillator, tube
 
 PLIES = 12
-RANDOM = 500
+RANDOM = 2000
 BEAM = Path("cases/actuated-beam/case.toml").absolute()
 ANGLE = 0.2  # step of differences [deg]
 SIX, SIX_WEIGHTS = (-3, -2, -1, 1, 2, 3), (-1, 9, -45, 45, -9, 1)
@@ -44,7 +43,6 @@ def extension_twist(folder: Path) -> dict[str, Any]:
     one["a"]["of"].append("sections.tube:laminates.wall.plies.1.angle_deg")
     study = {"run": "base", "maximise": {"section": "arm", "entry": "S14"}, "verify": False}
     table = tube(parameters=one, studies={"twist": study})
-    begin = perf_counter()
     found = optimise(StudySpec(table, Path("tube.toml"), False, "twist", folder), Here)
     S11, S22, S66 = 1.0 / CARBON["E1"], 1.0 / CARBON["E2"], 1.0 / CARBON["G12"]
     S12 = -CARBON["nu12"] / CARBON["E1"]
@@ -62,7 +60,6 @@ def extension_twist(folder: Path) -> dict[str, Any]:
         "starts": len(ends),
         "starts_within_0.1_deg": sum(abs(e - found["optimum"]["p"][0]) < 0.1 for e in ends),
         "gradient": found["gradient"],
-        "wall_s": perf_counter() - begin,
     }
 
 
@@ -84,21 +81,10 @@ def frequency_slopes(folder: Path) -> dict[str, Any]:
     table = tube(PLIES, parameters=angles(PLIES), studies={"f": study})
     given = StudySpec(table, Path("tube.toml"), False, "f", folder)
     p = 70.0 * np.random.default_rng(34).uniform(-1.0, 1.0, PLIES)
-    slopes, seconds = [], []
-    for exact in (True, False):
-        trials = Trials(replace(given, exact=exact))
-        trials.values(p)
-        begin = perf_counter()
-        trials.values(p)
-        value = perf_counter()
-        slopes.append(np.array(trials.slopes(p)[0][0]))
-        seconds.append({"value_wall_s": value - begin, "slopes_wall_s": perf_counter() - value})
-    largest = float(np.abs(slopes[1]).max())
-    return {
-        "largest_error": float(np.abs(slopes[0] - slopes[1]).max()) / largest,
-        "exact": seconds[0],
-        "differences": seconds[1],
-    }
+    both = (Trials(replace(given, exact=exact)).slopes(p)[0][0] for exact in (True, False))
+    slopes = np.array([*both])
+    error = np.abs(slopes[0] - slopes[1]).max() / np.abs(slopes[1]).max()
+    return {"largest_error": float(error)}
 
 
 def beam(plies: int = PLIES // 2, **study: Any) -> dict[str, Any]:
