@@ -76,6 +76,12 @@ def test_value_and_derivatives_by_time(text):
     assert f_dd == pytest.approx(bend, abs=1e-9)
 
 
+def test_lines_of_a_long_expression_are_one():
+    """As TOML's texts in three quotes have them; what follows # is a comment of its line."""
+    text = "\n  3 * t   # of time\n  + (a -\n  1)\n"
+    assert values(parsed(text, Plain(NAMES)), 2.0)[0] == 7.0
+
+
 def test_derivatives_by_two_quantities():
     node = parsed("sin(x * v) * v**3 / (1 + x**2) + atan2(v, x) + t * x**v", Quantities())
     at, h = np.array([0.6, 1.7]), 1e-6

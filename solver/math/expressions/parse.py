@@ -84,14 +84,16 @@ def parsed(text: str, scope: Scope) -> Node:
     """
     if len(text) > MOST_CHARACTERS:
         raise ExpressionError(f"expected {MOST_CHARACTERS} characters at most, found {len(text)}")
+    # One line: TOML's long texts have several, each with a comment of its own or none.
+    text = " ".join(line.partition("#")[0] for line in text.splitlines()).strip()
     try:
-        tree = ast.parse(text.strip(), mode="eval")
+        tree = ast.parse(text, mode="eval")
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
         where = getattr(error, "offset", None)
         at = f" at character {where}" if where else ""
         message = getattr(error, "msg", None) or str(error)
         raise ExpressionError(f"expected an expression, found {message}{at}") from error
-    return _Reader(text.strip(), scope).node(tree.body, 0)
+    return _Reader(text, scope).node(tree.body, 0)
 
 
 class _Reader:
