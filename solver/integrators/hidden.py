@@ -89,7 +89,7 @@ class HiddenForces:
         hidden, values = np.inf, self._values(t, y, rate)
         with np.errstate(all="ignore"):
             for each in self._watched:
-                hidden = first_hidden(each, t, values, hidden, norm.rtol)
+                hidden = first_hidden(each, t, values, hidden)
             hidden = min(hidden, self._passes(t, y))
             stops = [hidden] if np.isfinite(hidden) else []
             for each in list(self._breaking):

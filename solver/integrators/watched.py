@@ -21,7 +21,6 @@ from .breakpoints import JUMPING, JUMPS, SPLIT, VARIES
 SHORTEST = 1e-6  # part of a step: what a shorter peak adds to the motion is below its rounding
 WIDER = 4.0  # ranges of a step, by which the bounds without variation are wider
 HALVES, LOOKS = 48, 4  # of a step, in which a break is located, and is looked for
-DOUBT = 0.1  # error of a polynomial where it turns, of its distance from a straight line
 SAME = 1e-9  # part of a step, within which two breaks are one: x > 1 and max(x - 1, 0)
 BREAKING = JUMPING | {op.ABS, op.MINIMUM, op.MAXIMUM, op.SMOOTH, op.CURVE, op.TANH}
 # BEND: largest error that a bend of a force causes in a step (of rk5, rk8, radau), as a factor of
@@ -42,7 +41,6 @@ class Watched(NamedTuple):
     rises: bool  # may rise from one value to another within little of what it reads
     loads: IntArray  # (l,) quantities that it reads
     slope: IntArray  # (l,) place of the rate of a quantity among all values; -1: not known
-    whole: IntArray  # (l,) place of the coordinate of which a quantity is the rate; -1: none
     curved: IntArray  # (n,) 1: a part is not linear in them
     breaking: IntArray  # (n,) 1: a part has branches
     points: Array  # (s,) parts of a step at which forces are evaluated
@@ -75,9 +73,8 @@ def watched_expression(model: Model, p: int, points: Array, cells: Array) -> Wat
     curved = _curved(codes)
     if not loads.size or not curved.any():
         return None
-    known = loads < 2 * n
-    known[known] = ~np.isin(model.quantities.kind[loads[known] // 2], (SPIN, SLIP))
-    cubic, rates = known & (loads % 2 == 0), known & (loads % 2 == 1)
+    cubic = (loads < 2 * n) & (loads % 2 == 0)
+    cubic[cubic] = ~np.isin(model.quantities.kind[loads[cubic] // 2], (SPIN, SLIP))
     # rates of states follow all quantities
     states, every = 2 * n + model.n_aux, 2 * n + model.n_aux + len(model.quantities.reaction_joint)
     of_states = np.where((loads >= 2 * n) & (loads < states), every + loads - 2 * n, -1)
@@ -91,7 +88,6 @@ def watched_expression(model: Model, p: int, points: Array, cells: Array) -> Wat
         bool((codes == op.TANH).any()),
         loads,
         np.where(cubic, loads + 1, of_states),
-        np.where(rates, loads - 1, -1),
         curved.astype(np.int64),
         np.isin(codes[~np.isin(codes, list(op.PUSHES))], list(BREAKING)).astype(np.int64),
         points,
@@ -129,26 +125,23 @@ def _curved(codes: IntArray) -> NDArray[np.bool_]:
 
 
 @lean
-def first_hidden(watched: Watched, t: Array, values: Array, before: float, rtol: float) -> float:
+def first_hidden(watched: Watched, t: Array, values: Array, before: float) -> float:
     """Return the earliest instant [s] at which an expression was not seen, or `before`.
 
     Parameters
     ----------
     t, values : (k + 1,), (k + 1, m) ends of k steps and all quantities there
     before : instant [s] from which on nothing is looked for
-    rtol : relative tolerance of the values
     """
     for i in range(t.shape[0] - 1):
         if t[i] >= before:
             break
         _set_path(watched, t, values, i)
-        _set_rates(watched, t, values, i, rtol)
         _set_box(watched, 0.0, 1.0)
         if _is_quiet(watched):
             continue
         if _varies(watched, True):
             hidden = _unseen(watched, before, watched.cells.shape[1] // (t.shape[0] - 1))
-            hidden = _at_turns(watched, hidden)
             if hidden < before:
                 return hidden
         else:
@@ -270,7 +263,7 @@ def _set_path(watched: Watched, t: Array, values: Array, i: int) -> None:
     """Set the quantities along step i.
 
     A coordinate or a state is the cubic by its values and rates, whose Bezier points bound it;
-    other quantities are taken as linear, where `_set_rates` does not know more.
+    other quantities are taken as linear.
     """
     h, path = t[i + 1] - t[i], watched.path
     path[0, 0], path[0, 1] = t[i], h
@@ -283,23 +276,6 @@ def _set_path(watched: Watched, t: Array, values: Array, i: int) -> None:
             begin, end = h * values[i, r], h * values[i + 1, r]
         path[1 + j, 0], path[1 + j, 1] = first, begin
         path[1 + j, 2], path[1 + j, 3] = 3.0 * rise - 2.0 * begin - end, begin + end - 2.0 * rise
-
-
-@inlined
-def _set_rates(watched: Watched, t: Array, values: Array, i: int, rtol: float) -> None:
-    """Set rates of coordinates along step i: parabolas by their ends and their mean.
-
-    The mean is what the coordinate goes on by; its error by the tolerance counts as none.
-    """
-    h, path = t[i + 1] - t[i], watched.path
-    for j in range(watched.loads.shape[0]):
-        k, q = watched.loads[j], watched.whole[j]
-        if q >= 0:
-            one, two = values[i, q], values[i + 1, q]
-            first, last = values[i, k], values[i + 1, k]
-            curve = 3.0 * (first + last) - 6.0 * (two - one) / h
-            if VARIES * abs(curve) * h > rtol * max(abs(one), abs(two)):
-                path[1 + j, 1], path[1 + j, 2] = last - first - curve, curve
 
 
 @inlined
@@ -401,36 +377,6 @@ def _unseen(watched: Watched, before: float, room: int) -> float:
     return unseen
 
 
-@lean
-def _at_turns(watched: Watched, unseen: float) -> float:
-    """Return where a quantity turns, if a part is beyond its limits by the error of its path.
-
-    Once a step ends there, the next paths have hardly a turn.
-    """
-    box, path = watched.box, watched.path
-    for j in range(1, path.shape[0]):
-        b, c, d = path[j, 1], path[j, 2], 3.0 * path[j, 3]
-        under = c * c - d * b
-        if under < 0.0 or (c == 0.0 and d == 0.0):
-            continue
-        far = -(c + np.copysign(np.sqrt(under), c))
-        for n in range(2):
-            above, below = (far, d) if n == 0 else (b, far)
-            if not abs(below) > abs(above):
-                continue
-            s = above / below
-            at = path[0, 0] + s * path[0, 1]
-            if s < SHORTEST or s > 1.0 - SHORTEST or at >= unseen:
-                continue
-            doubt = DOUBT * s * ((s - 1.0) * c + (s * s - 1.0) * path[j, 3])
-            _set_box(watched, s, s)
-            box[j, 0] += min(doubt, 0.0)
-            box[j, 1] += max(doubt, 0.0)
-            if _outside(watched):
-                unseen = at
-    return unseen
-
-
 @inlined
 def _set_limits(watched: Watched) -> None:
     """Set the limits of each part in the step by its values at the points of the method."""
@@ -454,14 +400,8 @@ def _set_limits(watched: Watched) -> None:
 @lean
 def _is_beyond(watched: Watched, a: float, b: float) -> bool:
     """Return whether a part may be beyond its limits in the part [a, b] of the step."""
-    _set_box(watched, a, b)
-    return _outside(watched)
-
-
-@lean
-def _outside(watched: Watched) -> bool:
-    """Return whether a part may be beyond its limits in the box."""
     bounds, limits, outside = watched.bounds, watched.limits, False
+    _set_box(watched, a, b)
     _bound(watched)
     for k in range(bounds.shape[0]):
         if watched.curved[k] > 0:

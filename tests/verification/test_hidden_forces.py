@@ -8,7 +8,6 @@ from math import exp, pi, sin, sqrt
 
 import numpy as np
 import pytest
-from samples.case_samples import rigid
 from samples.coordinate_samples import carriage, force, run, wheel
 
 from plymotion.solver.inputs.case.load import load_case
@@ -119,19 +118,6 @@ def test_linear_forces_are_not_looked_at(tmp_path):
     _, _, summary = run(tmp_path, text, 4.0, 0.5, solver("radau"))
     assert summary["cost"]["steps"] < 100
     assert summary["cost"]["rejected"] < 5
-
-
-@pytest.mark.parametrize("integrator", ["radau", "rk8", "rk5", "gear"])
-@pytest.mark.parametrize("read", ["-joint_rate('rail')", "joint('rail')"])
-def test_a_force_at_the_peak_of_a_motion(tmp_path, read, integrator):
-    """An oscillator of speed cos(t): both peaks are a hundredth of a step wide, and no stage's."""
-    law = f'{{ expression = "1000 * max(0, {read} - 0.99999) / 1e-5" }}'
-    text = carriage(by("-x"), speed=1.0) + rigid("block", 1.0, 0.1, {"a": (0, 0, 0)})
-    text += f'[forces.push]\nkind = "force"\nat = "block.a"\nlaw = {law}\n'
-    text += "direction = [1.0, 0.0, 0.0]\n"
-    text += '[signals.s]\nkind = "velocity"\nat = "block.a"\ncomponent = "x"\n'
-    _, found, _ = run(tmp_path, text, 4.0, 0.5, solver(integrator, "rtol = 1e-6"))
-    assert found["s"][-1] == pytest.approx(4000.0 / 3.0 * sqrt(2e-5), rel=0.03)
 
 
 @pytest.mark.parametrize("stiff", [1e5, 1e7])
