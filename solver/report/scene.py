@@ -184,24 +184,23 @@ OUTSIDE = 1.1  # width of a joint, over the radius of its beam
 SHIFTS = ("x", "y", "z")
 
 
-def glyph(link: Link, width: float) -> tuple[Array, IntArray]:
+def glyph(free: tuple[str, ...], width: float) -> tuple[Array, IntArray]:
     """Return points (p, 3) of a joint, in its axes, and triangles (f, 3); none of a fixed one.
 
     What turns about an axis is a cylinder along it, what slides a bar, what does both a longer
-    cylinder (of a screw a twisted bar), what moves in a plane a disc, what turns about all axes a
-    ball (on a line with the line).
+    cylinder, what moves in a plane a disc, what turns about all axes a ball (on a line with it).
 
     Parameters
     ----------
-    link : the joint: its kind and free directions
+    free : free directions of the joint: x, y, z, about x, about y, about z (results/run_result.py)
     width : of the joint [m]
     """
-    turns = [each for each in link.free if each not in SHIFTS]
-    shifts = len(link.free) - len(turns)
+    turns = [each for each in free if each not in SHIFTS]
+    shifts = len(free) - len(turns)
     ball, cells = unit_sphere()
-    if not link.free:
+    if not free:
         return np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int64)
-    if link.free == ("about z",):
+    if free == ("about z",):
         return prism(20, 0.9 * width, 1.3 * width)
     if shifts == 2:
         return prism(20, 2.0 * width, 0.3 * width)
@@ -212,11 +211,7 @@ def glyph(link: Link, width: float) -> tuple[Array, IntArray]:
         return np.concatenate([line, width * ball]), np.concatenate(
             [faces, halved(cells) + len(line)]
         )
-    points, faces = prism(20 if turns and link.kind != "screw" else 4, 0.7 * width, 2.5 * width)
-    if link.kind == "screw":
-        upper = points[:, 2] > 0.0
-        points[upper, :2] = points[upper, :2] @ np.array([[1.0, 1.0], [-1.0, 1.0]]) / np.sqrt(2.0)
-    return points, faces
+    return prism(20 if turns else 4, 0.7 * width, 2.5 * width)
 
 
 def joint_width(body: BodyGeometry, view: BodyView, side: Side, size: float) -> float:
@@ -350,7 +345,7 @@ def _body(
         for side in link.sides:
             if side.body != number:
                 continue
-            points, faces = glyph(link, joint_width(body, view, side, size))
+            points, faces = glyph(link.free, joint_width(body, view, side, size))
             triangles.append(faces + sum(len(part) for part in node))
             node.append(np.full(len(points), count))
             offset.append(points @ side.A_BM.T)
