@@ -327,7 +327,7 @@ def assemble_model(
     marker_size = [m.phi.size for m in markers]
     joint_row = starts(np.array([len(ROWS[NAMES[k]]) for k in kinds], dtype=np.int64))
     scale = inertia_scale(bodies, markers, point_masses)
-    quantities = quantities_of(measured, laws, [(e.size, e.along) for e in forces])
+    quantities = quantities_of(measured, laws, forces)
     driven = driven_frames([_stand(j, markers, marker_H) for j in joints])
     added = [
         # a frame that is driven is no unknown
@@ -437,7 +437,7 @@ def _coupling(row: CouplingRow, measured: Measured) -> JointTable:
 
 def _element_rows(force: ForceTable) -> list[int]:
     """Return the rows of an element in Newton's matrix."""
-    if force.along < 0:
+    if not force.is_its_size:
         return rows_in_use(force.kind, force.parameters)
     return [0] if reads_motion(force.size) else []
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ..dynamics.elements.forces.table import LOADS
 from ..dynamics.model.model import ANGLE, N_POLAR, N_ROTOR, N_SHAPE, Quantities, Rotor
 from ..math.arrays import Array, IntArray
 from ..math.expressions.program import Node, new_stack, programs
@@ -105,6 +106,11 @@ class ForceTable:
     law: Law | None = None  # of an actuator or a load
     size: Node | None = None  # in place of a law: an expression
     along: int = -1  # coordinate that an element of this kind acts along
+
+    @property
+    def is_its_size(self) -> bool:
+        """Whether the force is `size` times a direction: along a coordinate, or a load."""
+        return self.along >= 0 or self.kind in LOADS
 
 
 @dataclass(frozen=True)
@@ -239,17 +245,17 @@ class Measured:
 
 
 def quantities_of(
-    measured: Measured, laws: Sequence[Law], forces: Sequence[tuple[Node | None, int]]
+    measured: Measured, laws: Sequence[Law], forces: Sequence[ForceTable]
 ) -> Quantities:
     """Return the arrays.
 
     Parameters
     ----------
     laws : of time; those that are expressions are taken from here
-    forces : by force element, the expression of its size, and the coordinate that it acts along
+    forces : force elements
     """
     coordinates, n = measured.coordinates, len(measured.coordinates)
-    sizes = [size for size, _ in forces]
+    sizes = [force.size for force in forces]
     states = measured.states
     nodes = [law.expression for law in laws] + sizes + [s.rate for s in states]
     nodes += [s.start for s in states] + [s.update for s in states]
@@ -270,9 +276,9 @@ def quantities_of(
 
     coupled = [
         (k, j)
-        for k, (size, along) in enumerate(forces)
-        if along >= 0
-        for j in sorted(j for kind, j in _read(size) if kind == "state")
+        for k, force in enumerate(forces)
+        if force.along >= 0
+        for j in sorted(j for kind, j in _read(force.size) if kind == "state")
         if states[j].rate is not None
     ]
 
@@ -310,7 +316,7 @@ def quantities_of(
         programs=programs(used, place, measured.curves),
         law=np.array(numbers[:n_law], dtype=np.int64),
         force=np.array(numbers[n_law : ends[1]], dtype=np.int64),
-        along=np.array([along for _, along in forces], dtype=np.int64),
+        along=np.array([force.along for force in forces], dtype=np.int64),
         coupled_force=np.array([k for k, _ in coupled], dtype=np.int64),
         coupled_state=np.array([j for _, j in coupled], dtype=np.int64),
         called=np.array(called, dtype=np.int64),
@@ -325,7 +331,7 @@ def quantities_of(
         reaction_joint=np.array([joint for joint, _ in measured.reactions], dtype=np.int64),
         reaction_kind=np.array([kind for _, kind in measured.reactions], dtype=np.int64),
         reacting=np.array(
-            [k for k, (size, _) in enumerate(forces) if _reacts(size)], dtype=np.int64
+            [k for k, force in enumerate(forces) if _reacts(force.size)], dtype=np.int64
         ),
         feedback=np.array(feedback, dtype=np.int64),
         fed_row=np.array([row for row, _ in fed], dtype=np.int64),
@@ -346,20 +352,22 @@ def _read(node: Node | None) -> set[Quantity]:
 
 
 def _feedback(
-    forces: Sequence[tuple[Node | None, int]],
+    forces: Sequence[ForceTable],
     states: Sequence[StateTable],
     coupled: Sequence[tuple[int, int]],
 ) -> tuple[list[int], list[tuple[int, int]]]:
     """Return `feedback`, and pairs of `fed_row` and `fed_coordinate`; none of too many forces."""
-    reading = {k: _others(size, along) for k, (size, along) in enumerate(forces) if along >= 0}
-    behind = [_others(states[j].rate, forces[k][1]) for k, j in coupled]
+    reading = {k: _others(e.size, e.along) for k, e in enumerate(forces) if e.is_its_size}
+    behind = [_others(states[j].rate, forces[k].along) for k, j in coupled]
     inputs = [
         k
         for k, others in reading.items()
         if others
-        or _reacts(forces[k][0])
+        or _reacts(forces[k].size)
         or any(m for (force, _), m in zip(coupled, behind, strict=True) if force == k)
     ]
+    if len(inputs) > MOST_FEEDBACK:
+        inputs = [k for k in inputs if forces[k].along >= 0]  # loads are left to the iteration
     if not 0 < len(inputs) <= MOST_FEEDBACK:
         return [], []
     pairs = [(i, m) for i, k in enumerate(inputs) for m in reading[k]]

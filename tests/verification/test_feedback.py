@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from samples.case_samples import rigid
-from samples.coordinate_samples import DEFAULT, RADAU, force, prepared, run
+from samples.coordinate_samples import DEFAULT, RADAU, WHEEL, Raw, force, prepared, run
 from scipy.linalg import expm
 
 from plymotion.solver.dynamics.evaluation.evaluation import auxiliary_rates_into, evaluate
@@ -148,3 +148,55 @@ def test_slopes_against_differences(tmp_path):
     assert np.abs(by_mu[2]).max() > 0.01
     assert not fed[0, :, 0].any()  # its own coordinate is a row of its own
     assert not fed[2].any()
+
+
+def load(name: str, kind: str, at: str, direction: list[float], law: str, **keys) -> str:
+    """A load by an expression."""
+    law = Raw(f"{{ expression = '{law}' }}")
+    return force(name, kind, at=at, direction=Raw(direction), law=law, **keys)
+
+
+def bearings(k: float, c: float, *, by_loads: bool) -> str:
+    """A rotor that spins at 500 rad/s and moves across its axis, in two bearings."""
+    out = []
+    for at, x in (("a", 0.5), ("b", -0.5)):
+        out.append(f"[ground.{at}]\nposition = [{x}, 0.0, 0.0]\n")
+        if not by_loads:
+            ends = Raw(f'["ground.{at}", "rotor.{at}"]')
+            hold = {"stiffness": Raw([0.0, k, k]), "damping": Raw([0.0, c, c])}
+            out.append(force(at, "bushing", between=ends, **hold))
+        for axis, direction in (("y", [0.0, 1.0, 0.0]), ("z", [0.0, 0.0, 1.0])) * by_loads:
+            of = f'("rotor.{at}", "{axis}")'
+            law = f"-{k} * position{of} - {c} * velocity{of}"
+            out.append(load(at + axis, "force", f"rotor.{at}", direction, law))
+    points = {"a": (0.5, 0, 0), "b": (-0.5, 0, 0)}
+    speeds = {"velocity": (0, 0.2, 0), "angular_velocity": (500, 0, 0.1)}
+    y = '[signals.y]\nkind = "position"\nat = "rotor.a"\ncomponent = "y"\n'
+    return rigid("rotor", 8.0, (0.04, 0.4, 0.4), points, **speeds) + "".join(out) + y
+
+
+@pytest.mark.parametrize("solver", [DEFAULT, ALPHA], ids=["radau", "generalized-alpha"])
+def test_loads_by_position_and_velocity_take_the_steps_of_bushings(tmp_path, solver):
+    """Bearings of a rotor by four loads: its motion and steps are those with bushings."""
+    cost, y = [], []
+    for by_loads in (False, True):
+        text = bearings(1e8, 1e5, by_loads=by_loads)
+        _, s, summary = run(tmp_path, text, 0.05, 0.001, solver)
+        cost.append(summary["cost"]["steps"] + summary["cost"]["rejected"])
+        y.append(s["y"])
+    np.testing.assert_allclose(y[1], y[0], atol=1e-6)
+    assert cost[1] < 1.5 * cost[0]
+
+
+@pytest.mark.parametrize(("kind", "frame"), [("force", "following"), ("torque", "global")])
+def test_loads_of_both_frames_by_the_speed_of_a_joint(tmp_path, kind, frame):
+    """A load brakes a wheel to 3 rad/s at a rate of 2e6 / s, and takes as few steps as that is."""
+    direction = [0.0, 1.0, 0.0] if kind == "force" else [0.0, 0.0, 1.0]
+    brake = load("brake", kind, "wheel.rim", direction, "-1e6 * (joint_rate(\"axle\") - 3)",
+                 frame=frame)  # fmt: skip
+    text = WHEEL + brake
+    text += rigid("wheel", 2.0, 0.5, {"a": (0, 0, 0), "rim": (1, 0, 0)})
+    t, s, summary = run(tmp_path, text, 2.0, 0.1, DEFAULT)
+    np.testing.assert_allclose(s["w"][1:], 3.0, atol=1e-5)
+    np.testing.assert_allclose(s["angle"][1:], 3.0 * t[1:], atol=1e-4)
+    assert summary["cost"]["steps"] + summary["cost"]["rejected"] < 100

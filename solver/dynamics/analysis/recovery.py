@@ -9,6 +9,7 @@ import numpy as np
 
 from ...math.arrays import Array
 from ...math.rotations import rotation_matrices
+from ..elements.forces.table import FIRST_LOAD
 from ..elements.joints.table import position_rows
 from ..evaluation import series
 from ..evaluation.evaluation import evaluate, first_moments, stored_energies
@@ -81,7 +82,8 @@ def _at_start(model: Model, y0: Array, length: float) -> float:
     stored_energies(model, y0, work.P, energies)
     stored = energies[1] + work.power[1]
     gain = max(fall, 2.0 * abs(float(stored)) / mass)
-    if model.layout.element_row.shape[0] == 0:
+    rows = np.diff(model.layout.element_start)
+    if not rows[model.force_kind < FIRST_LOAD].any():
         gain = max(
             gain,
             _of_frames(model, rates[0, model.n_pos : model.n_pos + model.n_vel], length) * length,

@@ -1,7 +1,8 @@
 """Forces that read other coordinates or reactions, in Newton's matrix.
 
 A force F along a coordinate may follow other coordinates e_m (a controller, an expression), also by
-its own states, and the multipliers (friction in a bearing). Its change
+its own states, and the multipliers (friction in a bearing); a load by an expression has no
+coordinate of its own and follows others only. Its change
 
     w(x, mu) = sum (F_e + s F_v) g_m x - F_v g_m rho + F_lambda mu,
 

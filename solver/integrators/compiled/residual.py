@@ -11,7 +11,7 @@ of the angle by which g turns in a step. With it, the limit of large k is the co
 the multiplier F.
 """
 
-from ...dynamics.elements.forces.table import element_rows
+from ...dynamics.elements.forces.table import FIRST_LOAD, element_rows, element_wrench
 from ...dynamics.evaluation.evaluation import (
     auxiliary_rates_into,
     evaluate,
@@ -44,17 +44,25 @@ def element_rows_at(model: Model, work: Workspace, e: int) -> int:
     layout = model.layout
     begin, end = layout.element_start[e], layout.element_start[e + 1]
     if begin < end:
-        along = model.quantities.along[e]
-        if along >= 0:  # a force along a coordinate: -g'F with F = -size
-            for j in range(12):
-                work.element[0, j] = work.g[along, j]
+        along, kind = model.quantities.along[e], model.force_kind[e]
+        one = work.motion[model.force_marker[e, 0]]
+        two = work.motion[model.force_marker[e, 1]]
+        # a force along a coordinate, or a load: -g'F with F = -size
+        if along >= 0 or kind >= FIRST_LOAD:
+            if along >= 0:
+                for j in range(12):
+                    work.element[0, j] = work.g[along, j]
+            else:
+                unit = element_wrench(kind, one, two, model.force_parameters[e], 1.0)
+                work.element[0, :6] = 0.0
+                for j in range(3):
+                    work.element[0, 6 + j] = unit.force[j]
+                    work.element[0, 9 + j] = unit.moment[j]
             work.element[0, FORCE] = -work.size[e, 0]
             work.element[0, STIFFNESS] = max(0.0, -work.size[e, 1])
             work.element[0, DAMPING] = max(0.0, -work.size[e, 2])
         else:
-            one = work.motion[model.force_marker[e, 0]]
-            two = work.motion[model.force_marker[e, 1]]
-            element_rows(model.force_kind[e], one, two, model.force_parameters[e], work.element)
+            element_rows(kind, one, two, model.force_parameters[e], work.element)
         for k in range(begin, end):
             for j in range(N_ELEMENT_ROW):
                 work.element_used[k - begin, j] = work.element[layout.element_row[k], j]

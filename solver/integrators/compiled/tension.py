@@ -64,13 +64,15 @@ def freeze_tension(
             _push(model, work, y, model.joint_marker[k, side], side, rows, push, tension)
     first = model.n_constraint + model.layout.added_start[model.n_body]
     for e in range(model.force_kind.shape[0]):
+        if model.force_kind[e] >= FIRST_LOAD:
+            if model.marker_body[model.force_marker[e, 0]] < 0:
+                f = force_wrench(model, work, e, t).force
+                _pull(model, work, y, model.force_marker[e, 1], f, tension)
+            continue
         count, begin = element_rows_at(model, work, e), first + model.layout.element_start[e]
         rows, push = work.element_used[:count], forces[begin : begin + count]
         for side in range(2):
             _push(model, work, y, model.force_marker[e, side], side, rows, push, tension)
-        if model.force_kind[e] >= FIRST_LOAD and model.marker_body[model.force_marker[e, 0]] < 0:
-            f = force_wrench(model, work, e, t).force
-            _pull(model, work, y, model.force_marker[e, 1], f, tension)
     for i in range(model.n_body):
         _from_virial(tension[i, 3:6, 3:6])
 
