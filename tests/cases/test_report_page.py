@@ -366,3 +366,15 @@ def test_the_mechanism_moves_when_the_page_opens(browser: Browser, case_dir: Pat
     browser.reduce_motion(True)
     browser.open(case_dir / "report.html")
     assert browser.run("plymotion.clock.t") == 0.0
+    # A motion that is ended and begun anew within a frame, as that of a video is, plays once.
+    told = browser.run("""new Promise((done) => {
+      const { clock } = plymotion;
+      let frames = 0, told = 0;
+      const count = () => (frames++ < 10 ? requestAnimationFrame(count) : done(told));
+      clock.toggle();
+      clock.playing = false;
+      clock.toggle();
+      clock.onChange(() => told++);
+      count();
+    })""")
+    assert 5 < told < 15

@@ -4,6 +4,7 @@ const clock = {
   t: 0, // [s]
   end: 0,
   playing: false,
+  frame: 0, // of the motion that plays
   speed: 1, // seconds of the run in a second
   listeners: [],
 
@@ -16,6 +17,7 @@ const clock = {
   },
   toggle() {
     this.playing = !this.playing;
+    cancelAnimationFrame(this.frame); // of a motion that was ended within this frame
     if (this.playing) {
       if (this.t >= this.end) this.t = 0;
       let before = performance.now();
@@ -26,9 +28,9 @@ const clock = {
         before = now;
         if (t >= this.end) this.playing = false;
         this.set(t);
-        if (this.playing) requestAnimationFrame(step);
+        if (this.playing) this.frame = requestAnimationFrame(step);
       };
-      requestAnimationFrame(step);
+      this.frame = requestAnimationFrame(step);
     }
     this.set(this.t);
   },
