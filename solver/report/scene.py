@@ -207,10 +207,9 @@ def glyph(free: tuple[str, ...], width: float) -> tuple[Array, IntArray]:
     if shifts != 1:
         return width * ball, halved(cells)
     if len(turns) == 3:
-        line, faces = prism(8, 0.3 * width, 2.5 * width)
-        return np.concatenate([line, width * ball]), np.concatenate(
-            [faces, halved(cells) + len(line)]
-        )
+        line, sides = prism(8, 0.3 * width, 2.5 * width)
+        faces = np.concatenate([sides, halved(cells) + len(line)])
+        return np.concatenate([line, width * ball]), faces
     return prism(20 if turns else 4, 0.7 * width, 2.5 * width)
 
 

@@ -45,24 +45,24 @@ def element_rows_at(model: Model, work: Workspace, e: int) -> int:
     begin, end = layout.element_start[e], layout.element_start[e + 1]
     if begin < end:
         along, kind = model.quantities.along[e], model.force_kind[e]
-        one = work.motion[model.force_marker[e, 0]]
-        two = work.motion[model.force_marker[e, 1]]
-        # a force along a coordinate, or a load: -g'F with F = -size
-        if along >= 0 or kind >= FIRST_LOAD:
-            if along >= 0:
-                for j in range(12):
-                    work.element[0, j] = work.g[along, j]
-            else:
+        if along >= 0:
+            for j in range(12):
+                work.element[0, j] = work.g[along, j]
+        else:
+            one = work.motion[model.force_marker[e, 0]]
+            two = work.motion[model.force_marker[e, 1]]
+            if kind >= FIRST_LOAD:
                 unit = element_wrench(kind, one, two, model.force_parameters[e], 1.0)
                 work.element[0, :6] = 0.0
                 for j in range(3):
                     work.element[0, 6 + j] = unit.force[j]
                     work.element[0, 9 + j] = unit.moment[j]
+            else:
+                element_rows(kind, one, two, model.force_parameters[e], work.element)
+        if along >= 0 or kind >= FIRST_LOAD:  # -g'F with F = -size
             work.element[0, FORCE] = -work.size[e, 0]
             work.element[0, STIFFNESS] = max(0.0, -work.size[e, 1])
             work.element[0, DAMPING] = max(0.0, -work.size[e, 2])
-        else:
-            element_rows(kind, one, two, model.force_parameters[e], work.element)
         for k in range(begin, end):
             for j in range(N_ELEMENT_ROW):
                 work.element_used[k - begin, j] = work.element[layout.element_row[k], j]

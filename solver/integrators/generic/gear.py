@@ -45,8 +45,6 @@ class SimplifiedNewton:
         self._lu: Array = np.empty((0, 0))
         self._pivots: Array = np.empty(0)
         self._rate = 1.0
-        # Beyond a bend of f a matrix that is too stiff makes the first correction small.
-        self.always_measured = False
         self._since_measured = 0
         self._excess = 0
         self.iterations = 0
@@ -57,7 +55,7 @@ class SimplifiedNewton:
         self._lu_factor, self._lu_solve = dgetrf, dgetrs
 
     def solve(
-        self, t: float, predicted: Array, psi: Array, gamma: float, weight: Array
+        self, t: float, predicted: Array, psi: Array, gamma: float, weight: Array, *, bent: bool
     ) -> Array | None:
         """y (n,), or None with the reason in `trouble`.
 
@@ -68,13 +66,14 @@ class SimplifiedNewton:
         psi : constant part of the equations (n,)
         gamma : factor of f in y = psi + gamma f(t, y) [s]
         weight : 1 / tolerance (n,)
+        bent : f may bend: a matrix from before makes the first correction too small to be judged by
         """
         if self._J is None or self._excess > self._jacobian_cost:
             self._renew(t, predicted)
         while True:
             if self._gamma_lu == 0 or abs(gamma / self._gamma_lu - 1) > DRIFT:
                 self._factorise(gamma)
-            y = self._iterate(t, predicted, psi, gamma, weight)
+            y = self._iterate(t, predicted, psi, gamma, weight, bent or self._since_measured >= 10)
             if y is not None:
                 self._fresh = False
                 return y
@@ -99,12 +98,11 @@ class SimplifiedNewton:
         self._gamma_lu = gamma
 
     def _iterate(
-        self, t: float, predicted: Array, psi: Array, gamma: float, weight: Array
+        self, t: float, predicted: Array, psi: Array, gamma: float, weight: Array, measure: bool
     ) -> Array | None:
         y = predicted.copy()
         scale = 2 / (1 + gamma / self._gamma_lu)
         last = 0.0
-        measure = self.always_measured or self._since_measured >= 10
         for i in range(1, MAX_ITERATIONS + 1):
             correction = self._f(t, y) * gamma
             correction += psi
@@ -366,8 +364,8 @@ class Gear(Integrator):
             predicted += h * self._f_start
         weight = self.norm.weight(self.y, predicted)
         self._h_try = h
-        self._newton.always_measured = self.hidden is not None
-        y_new = self._newton.solve(t_new, predicted, psi, h / self._c_0, weight)
+        gamma, bent = h / self._c_0, self.hidden is not None
+        y_new = self._newton.solve(t_new, predicted, psi, gamma, weight, bent=bent)
         if y_new is None:
             self._refuse_newton(h)
             return None
