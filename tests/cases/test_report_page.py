@@ -356,7 +356,7 @@ def test_wrong_script_is_refused_by_the_policy(case_dir: Path, tmp_path: Path) -
 
 
 def test_the_mechanism_moves_when_the_page_opens(browser: Browser, case_dir: Path) -> None:
-    """At the speed nearest true time at which 0.1 s take 2 to 20 s; not if the reader objects"""
+    """At the speed nearest to real time at which 0.1 s take 2 to 20 s; not with reduced motion"""
     assert browser.run("plymotion.clock.playing") is False
     browser.reduce_motion(False)
     browser.open(case_dir / "report.html")

@@ -66,7 +66,7 @@ class SimplifiedNewton:
         psi : constant part of the equations (n,)
         gamma : factor of f in y = psi + gamma f(t, y) [s]
         weight : 1 / tolerance (n,)
-        bent : f may bend: a matrix from before makes the first correction too small to be judged by
+        bent : f may have kinks: behind one, an old matrix makes the first correction too small
         """
         if self._J is None or self._excess > self._jacobian_cost:
             self._renew(t, predicted)

@@ -17,7 +17,7 @@ const clock = {
   },
   toggle() {
     this.playing = !this.playing;
-    cancelAnimationFrame(this.frame); // of a motion that was ended within this frame
+    cancelAnimationFrame(this.frame); // of a motion that ended within this frame
     if (this.playing) {
       if (this.t >= this.end) this.t = 0;
       let before = performance.now();
@@ -34,7 +34,7 @@ const clock = {
     }
     this.set(this.t);
   },
-  // As near to true time as the whole run takes 2 to 20 s.
+  // The speed nearest to real time at which the whole run takes 2 to 20 s.
   fitSpeed(speeds) {
     const fit = speeds.filter((speed) => this.end >= 2 * speed && this.end <= 20 * speed);
     const near = (speed) => Math.abs(Math.log(speed));
