@@ -394,7 +394,7 @@ $(WINDIO)/installed: Makefile | $(EMPTY)
 	@touch $@
 
 .PHONY: wind
-wind: $(WINDIO)/installed $(FENICSX) | $(COMPILED) ## IEA-15-240-RWT in the wind against HAWCStab2: build/benchmarks/wind.json, docs/rotor.md
+wind: $(WINDIO)/installed $(FENICSX) | $(COMPILED) ## IEA-15-240-RWT in the wind against HAWCStab2: build/benchmarks/wind.json, docs/rotor-accuracy.md
 	. ./$(FENICSX) && export FENICSX_PYTHON && $(BENCH) benchmarks/wind.py \
 	    $(WINDIO)/lib/python3*/site-packages/windIO/examples/turbine/IEA-15-240-RWT.yaml
 

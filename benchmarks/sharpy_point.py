@@ -7,7 +7,8 @@
     build/sharpy/bin/python benchmarks/sharpy_point.py build/benchmarks/wind/turbine
 
 The folder is that of `plymotion blade IEA-15-240-RWT.yaml --stations 21 --rotor`, as `make wind`
-leaves it. The rotor alone, without tilt, shear, weight and tower (docs/rotor.md). Half an hour.
+leaves it. The rotor alone, without tilt, shear, weight and tower. Half an hour
+(docs/rotor-accuracy.md).
 """
 
 import csv
