@@ -336,13 +336,12 @@ def geometric_stiffness(
     w = y[:, model.n_pos + j + 3 : model.n_pos + j + 6]
     pull = np.einsum("kba,kb->ka", A, v_d[:, :3] - model.gravity_G)
     Kg = stiffening_matrices(tables, i, w, v_d[:, 3:6], pull, v_d[:, 6 : 6 + m])
-    for place, marker in enumerate(series.loaded_markers(model).tolist()):
-        start = int(tables.marker_second[marker])
-        if model.marker_body[marker] == i and start >= 0:
-            H = tables.marker_H[start : start + 6 * m * m].reshape(6, m, m)
-            both = loads[:, place].reshape(-1, 2, 3)
-            load_B = np.einsum("kba,ksb->ksa", A, both).reshape(-1, 6)
-            Kg = Kg - np.tensordot(load_B, H, 1)
+    markers = series.loaded_markers(model)
+    starts = tables.marker_second[markers]
+    for place in np.flatnonzero((model.marker_body[markers] == i) & (starts >= 0)).tolist():
+        H = tables.marker_H[starts[place] : starts[place] + 6 * m * m].reshape(6, m * m)
+        load_B = (loads[:, place].reshape(-1, 2, 3) @ A).reshape(-1, 6)
+        Kg = Kg - (load_B @ H).reshape(Kg.shape)
     return np.asarray(0.5 * (Kg + Kg.transpose(0, 2, 1)))
 
 

@@ -398,11 +398,12 @@ class StepLoop(StrideMemory):
             return
         if self.t == self._before:
             self.t = clock[codes.TIME] = self._behind
-        which = self._instants.sampled_at(self.t) & (self.t > self.t0)  # not the start again
-        which[self._model.quantities.event_state[list(self._struck)]] = True
-        self._struck = ()
-        if which.any():
-            self.y = sampled(self._model, self.t, self.y, which, self._functions)
+        if self._model.n_aux:
+            which = self._instants.sampled_at(self.t) & (self.t > self.t0)  # not the start again
+            which[self._model.quantities.event_state[list(self._struck)]] = True
+            self._struck = ()
+            if which.any():
+                self.y = sampled(self._model, self.t, self.y, which, self._functions)
         self._workspace.y[:] = self.y
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             self._restart()

@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from samples.beam_samples import reduced
+from samples.body_specs import CLAMPED
 from samples.exchange_routes import PROGRAMS
 from scipy.linalg import eigh
 
@@ -71,6 +73,43 @@ def test_lowest_frequencies_and_the_body_at_rest(
         site = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SITE, interface.name)
         assert data.site_xpos[site] == pytest.approx(interface.position_B, abs=1e-9 * size)
         assert data.site_xmat[site] == pytest.approx(interface.A_BI.ravel(), abs=1e-9)
+
+
+@pytest.mark.parametrize(("first", "last"), [(30.0, 30.0), (90.0, 30.0)])
+def test_a_section_with_turned_axes_bends_along_them(
+    mujoco: Any, tmp_path: Path, first: float, last: float
+) -> None:
+    """Compliance of the tip and directions of the modes, with bending that is coupled to torsion.
+
+    Frequencies alone do not show that a chain bends in the wrong planes.
+    """
+    K = np.diag([1e6, 3e5, 3e5, 6.0, 4.0, 40.0])
+    K[3, 4] = K[4, 3] = 2.0
+    angle = np.radians(np.linspace(first, last, 16))
+    line = {
+        "nodes": np.outer(np.linspace(0.0, 1.0, 17), [1.0, 0.0, 0.0]).tolist(),
+        "x2_axes": np.stack([0.0 * angle, np.cos(angle), np.sin(angle)], axis=1).tolist(),
+    }
+    modes = [{"kind": "lowest", "count": 6}, {"kind": "attachment", "at": "tip"}]
+    mass = np.diag([0.5, 0.5, 0.5, 1e-4, 4e-5, 6e-5])
+    package = reduced(CLAMPED, modes, elements=16, K=K, mass=mass, line=line).package
+    write(package, tmp_path / "model.xml", tmp_path)
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "model.xml"))
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    M = np.zeros((model.nv, model.nv))
+    mujoco.mj_fullM(model, data, M)
+    site = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SITE, "tip")
+    J, _turns = np.zeros((2, 3, model.nv))
+    mujoco.mj_jacSite(model, data, J, _turns, site)
+    phi = next(i.phi_B for i in package.interfaces if i.name == "tip")
+    own = phi @ np.linalg.solve(package.stiffness, phi.T)
+    there = J / model.jnt_stiffness @ J.T
+    assert there[1:, 1:] == pytest.approx(own[1:, 1:], abs=0.01 * np.abs(own).max())
+    ways = J @ eigh(np.diag(model.jnt_stiffness.ravel()), M)[1][:, :2]
+    expected = phi @ eigh(package.stiffness, package.mass)[1][:, :2]
+    size = np.linalg.norm(ways, axis=0) * np.linalg.norm(expected, axis=0)
+    assert np.abs((ways * expected).sum(axis=0)) / size == pytest.approx(1.0, abs=1e-4)
 
 
 def test_a_vibration_in_mujoco(mujoco: Any, repository: Path, tmp_path: Path) -> None:

@@ -1,9 +1,9 @@
 """Modal package to MuJoCo: a chain of rigid segments on virtual joints with springs (MJCF).
 
 The body is cut across the line from the interface that carries its frame to the farthest one. At
-each cut there are three hinges: torsion about the line, bending about two axes across it. Their
-stiffnesses are those with which the moments of the body's modes turn the chain as the modes do,
-then scaled such that its lowest frequencies are those of the body, clamped at its frame.
+each cut there are three hinges, about the principal axes of the stiffness with which the moments of
+the body's modes turn the chain as the modes do. The stiffnesses are then changed as little as it
+takes to give the chain the lowest frequencies of the body, clamped at its frame.
 """
 
 from pathlib import Path
@@ -11,8 +11,7 @@ from typing import NamedTuple
 from xml.etree import ElementTree as ET
 
 import numpy as np
-from scipy.linalg import eigh, eigvalsh
-from scipy.optimize import least_squares
+from scipy.linalg import block_diag, eigh, eigvalsh, solve_continuous_lyapunov
 from scipy.spatial.transform import Rotation
 
 from ....solver.errors import InputError, printable
@@ -24,8 +23,9 @@ SUFFIX = ".xml"
 FEWEST, MOST, UNEVEN = 6, 40, 24  # cuts: least, most between nodes of a beam; of other meshes
 SAME = 1e-6  # of the length: nodes of one cross-section
 MATCHED, ENOUGH = 3, 0.01  # frequencies, and their largest relative error
+PASSES, LARGEST = 20, 0.5  # of the fit; change of a logarithm of a frequency in one
 SOFT = 1e-3  # of the median stiffness, for cuts that no mode bends
-STIFF = 1e-4  # of the largest angles: an axis about which no mode turns the cuts has no hinges
+STIFF = 1e-4  # of the largest angles: there is no hinge about which modes turn a cut by less
 FLAT = 1e-7  # of the moments of inertia: MuJoCo refuses those of a disc by their last digit
 STEPS = 12.0  # of the time step in a period of the fastest motion
 
@@ -35,7 +35,7 @@ class Chain(NamedTuple):
 
     of_node: IntArray  # (n,) segment
     points: Array  # (N, 3) cuts [m]
-    axes: Array  # (3, 3) rows: along the line, and two across it
+    axes: Array  # (3, 3) rows: along the line, and two across it, whatever the sections
     mass: Array  # (N + 1,) of segments [kg]
     centre: Array  # (N + 1, 3) [m]
     inertia: Array  # (N + 1, 3, 3) about the centre [kg m2]
@@ -52,7 +52,7 @@ def write(package: ModalPackage, out: Path, source: Path) -> str:
     """
     chain = chain_of(package)
     aim = np.sqrt(eigvalsh(package.stiffness, package.mass))[:MATCHED]
-    k, M = stiffnesses(package, chain, aim)
+    k, axes, M = stiffnesses(package, chain, aim)
     held = k.ravel() > 0.0
     w = np.sqrt(eigvalsh(np.diag(k.ravel()[held]), M[np.ix_(held, held)]))
     error = float(np.abs(w[: aim.size] / aim - 1.0).max())
@@ -63,7 +63,7 @@ def write(package: ModalPackage, out: Path, source: Path) -> str:
             "not move as a chain; expected a slender body, clamped at one end"
         )
     ratio = package.damping[0, 0] / (2.0 * package.frequencies[0] * package.mass[0, 0])
-    text = mjcf(package, chain, k, 2.0 * float(ratio) / aim[0], 2.0 * np.pi / w[-1] / STEPS)
+    text = mjcf(package, chain, k, axes, 2.0 * float(ratio) / aim[0], 2.0 * np.pi / w[-1] / STEPS)
     write_text(out, text)
     return f"{np.count_nonzero(held)} hinges: {hertz} Hz; the body, clamped: {theirs} Hz"
 
@@ -127,8 +127,12 @@ def _skew(a: Array) -> Array:
     return np.asarray(np.cross(a[:, None], np.eye(3)).swapaxes(1, 2))
 
 
-def stiffnesses(package: ModalPackage, chain: Chain, aim: Array) -> tuple[Array, Array]:
-    """Return the stiffness of each hinge (N, 3) [N m / rad], 0 for none; the mass matrix of all."""
+def stiffnesses(package: ModalPackage, chain: Chain, aim: Array) -> tuple[Array, Array, Array]:
+    """Return stiffness (N, 3) [N m / rad] and axes (N, 3, 3) of the hinges, and the mass matrix.
+
+    A stiffness of 0 stands for no hinge. The mass matrix (3 N, 3 N) is that of all.
+    """
+    count = len(chain.points)
     J = jacobians(chain)
     M = np.einsum("sai,s,saj->ij", J[:, :3], chain.mass, J[:, :3])
     M += np.einsum("sai,sab,sbj->ij", J[:, 3:], chain.inertia, J[:, 3:])
@@ -145,31 +149,61 @@ def stiffnesses(package: ModalPackage, chain: Chain, aim: Array) -> tuple[Array,
         shapes.append(turn @ package.shapes_B[:, :, 3:].transpose(1, 2, 0))
     wanted = np.vstack([shape.reshape(-1, q.shape[0]) for shape in shapes]) @ q
     angles = np.linalg.lstsq(np.vstack(rows), wanted, rcond=1e-12)[0]
-    size = np.abs(angles.reshape(-1, 3, squares.size)).max(axis=(0, 2))
-    turned = np.tile(size > STIFF * size.max(), len(chain.points))
-    angles[~turned] = 0.0
-    # k a = the moment of the inertia forces of each mode: weighed by the angles themselves.
-    moments = squares * (M @ angles)
-    k = np.einsum("ij,ij->i", angles, moments) / np.maximum((angles**2).sum(axis=1), 1e-300)
-    by_axis = k.reshape(-1, 3)
-    for axis in np.flatnonzero(turned[:3]):
-        one = by_axis[:, axis]
-        median = float(np.median(one[one > 0.0])) if (one > 0.0).any() else float(np.abs(k).max())
-        one[:] = np.where(one > SOFT * median, one, median)
-    inner, x = M[np.ix_(turned, turned)], np.linspace(-1.0, 1.0, len(by_axis))[:, None]
-
-    def scaled(p: Array) -> Array:
-        return np.asarray(by_axis * np.exp(p[:3] + x * p[3:6] + x * x * p[6:]))
-
-    def gap(p: Array) -> Array:
-        K = np.diag(scaled(p).ravel()[turned])
-        frequencies = np.sqrt(eigvalsh(K, inner, subset_by_index=[0, aim.size - 1]))
-        return np.append(np.log(frequencies / aim), 1e-4 * p)
-
-    return scaled(least_squares(gap, np.zeros(9)).x), M
+    k, turns = _principal(angles.reshape(count, 3, -1), (M @ angles).reshape(count, 3, -1), squares)
+    B = block_diag(*turns)
+    M, turned = B.T @ M @ B, k.ravel() > 0.0
+    inner, scaled = M[np.ix_(turned, turned)], k.ravel()[turned]
+    for _ in range(PASSES):  # by the least change of stiffnesses, which is that of their energies
+        found, v = eigh(np.diag(scaled), inner, subset_by_index=[0, aim.size - 1])
+        shares = scaled[:, None] * v**2 / found
+        change = np.clip(np.log(aim**2 / found), -LARGEST, LARGEST)
+        scaled = scaled * np.exp(np.linalg.pinv(shares.T, rcond=1e-6) @ change)
+    k[k > 0.0] = scaled
+    return k, turns.swapaxes(1, 2) @ chain.axes, M
 
 
-def mjcf(package: ModalPackage, chain: Chain, k: Array, damping: float, step: float) -> str:
+def _principal(angles: Array, loads: Array, squares: Array) -> tuple[Array, Array]:
+    """Return principal stiffnesses (N, 3) of the cuts and their directions, columns of (N, 3, 3).
+
+    At each cut the symmetric matrix K that turns the angles of the modes into their moments, by
+    least squares: a section may have its axes anywhere, and bend as it twists. The lowest modes
+    have most weight. Directions about which no mode turns the cuts have a stiffness of 0.
+
+    Parameters
+    ----------
+    angles : (N, 3, m) of the cuts in the modes
+    loads : (N, 3, m) moments of their inertia forces over `squares`
+    squares : (m,) of the frequencies
+    """
+    turned = angles @ angles.swapaxes(1, 2)
+    S = (angles / squares**2) @ angles.swapaxes(1, 2)
+    R = (loads / squares) @ angles.swapaxes(1, 2)
+    # What the modes of a cut leave open is as it is on average.
+    turned, S, R = (each + SOFT * each.mean(axis=0) for each in (turned, S, R))
+    k, turns = np.zeros((len(S), 3)), np.zeros((len(S), 3, 3))
+    least = STIFF**2 * float(np.linalg.eigvalsh(turned).max())
+    for i in range(len(S)):
+        sizes, basis = np.linalg.eigh(turned[i])
+        held = basis[:, sizes > least]
+        both = held.T @ (R[i] + R[i].T) @ held
+        inside, own = np.linalg.eigh(solve_continuous_lyapunov(held.T @ S[i] @ held, both))
+        turns[i] = basis
+        turns[i][:, sizes > least] = held @ own
+        k[i, sizes > least] = inside
+        # torsion first, then bending by its stiffness
+        torsion = int(np.argmax(np.abs(turns[i][0])))
+        order = [torsion, *(j for j in np.argsort(k[i], kind="stable") if j != torsion)]
+        k[i], turns[i] = k[i][order], turns[i][:, order]
+    for column in k.T:
+        found = column > 0.0
+        median = float(np.median(column[found])) if found.any() else 0.0
+        column[:] = np.maximum(column, SOFT * median)
+    return k, turns
+
+
+def mjcf(
+    package: ModalPackage, chain: Chain, k: Array, axes: Array, damping: float, step: float
+) -> str:
     """Return the text of the model: the chain on the world, sites at the interfaces.
 
     damping : of a hinge over its stiffness [s]
@@ -202,7 +236,7 @@ def mjcf(package: ModalPackage, chain: Chain, k: Array, damping: float, step: fl
                 parent,
                 "joint",
                 name=f"{name}.{s}.{'xyz'[axis]}",
-                axis=_words(chain.axes[axis]),
+                axis=_words(axes[s - 1, axis]),
                 stiffness=f"{stiffness:.12g}",
                 damping=f"{damping * stiffness:.6g}",
             )

@@ -294,8 +294,7 @@ def stiffening_matrices(
     """
     m = int(model.n_mode[i])
     three = int(model.third_start[i])
-    Z = _distances(model, i)
-    G3 = model.G3[three : three + m**3].reshape(m, m, m)
+    Z, G3 = _distances(model, i).reshape(12, m * m), model.G3[three : three + m**3]
     # acceleration of a station due to its position: w_d x x + w x (w x x)
     turning = np.zeros((len(w), 3, 3))
     turning[:, [2, 0, 1], [1, 2, 0]] = w_d
@@ -303,9 +302,8 @@ def stiffening_matrices(
     turning += w[:, :, None] * w[:, None, :]
     turning -= np.einsum("ka,ka->k", w, w)[:, None, None] * np.eye(3)
     turned = turning.transpose(0, 2, 1).reshape(-1, 9)
-    return np.asarray(
-        np.tensordot(a_B, Z[:3], 1) + np.tensordot(turned, Z[3:], 1) + np.tensordot(q_dd, G3, 1)
-    )
+    Kg = a_B @ Z[:3] + turned @ Z[3:] + q_dd @ G3.reshape(m, m * m)
+    return np.asarray(Kg.reshape(-1, m, m))
 
 
 @inlined
