@@ -9,7 +9,7 @@ from scipy.interpolate import PchipInterpolator
 
 from ...math.arrays import Array
 from ...math.laws import lengths_along
-from .shape import Airfoil, along_span
+from .shape import blended
 from .tables import Tables
 from .windio import Blade
 
@@ -53,7 +53,8 @@ def strips(
     for k in range(n):
         at = 0.5 * (ends[k] + ends[k + 1])
         place = float(np.interp(at, s, r))
-        centre, polar = _blended(blade, polars, place)
+        row = blended(blade, place, lambda one: polars[one.name])
+        centre, polar = float(row[0]), row[1:].reshape(-1, len(COEFFICIENTS))
         chord = blade.chord.at(place)
         rows.append(
             Strip(
@@ -68,20 +69,6 @@ def strips(
             )
         )
     return rows
-
-
-def _blended(blade: Blade, polars: Mapping[str, Array], r: float) -> tuple[float, Array]:
-    """Return aerodynamic centre and polar at r, by relative thickness as the contour is."""
-    groups: dict[float, list[Airfoil]] = {}
-    for airfoil in blade.airfoils:
-        groups.setdefault(airfoil.thickness, []).append(airfoil)
-    sizes = np.array(sorted(groups))
-    rows = np.array([along_span(groups[s], r, lambda one: polars[one.name]) for s in sizes])
-    row = rows[0]
-    if len(sizes) > 1:
-        thickness = np.clip(blade.thickness.at(r), sizes[0], sizes[-1])
-        row = PchipInterpolator(sizes, rows)(thickness)
-    return float(row[0]), row[1:].reshape(-1, len(COEFFICIENTS))
 
 
 def _polar(tables: Tables, top: Mapping[str, Any], name: str) -> Array:

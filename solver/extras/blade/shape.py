@@ -202,22 +202,29 @@ def contour(shape: Shape, r: float) -> Array:
     side. Airfoils are blended by their relative thickness.
     """
     chord, offset = shape.chord.at(r), shape.offset.at(r)
-    points = _blended(shape, r)
+    points = blended(shape, r, lambda one: one.sampled)
     height = shape.height.at(r)
     return np.column_stack([offset - chord * points[:, 0], height + chord * points[:, 1]])
 
 
-def _blended(shape: Shape, r: float) -> Array:
-    """Blend by relative thickness; airfoils of the same thickness by their places on the span."""
+def blended(shape: Shape, r: float, numbers: Callable[[Airfoil], Array]) -> Array:
+    """Blend numbers of airfoils at r by relative thickness, those of one thickness along the span.
+
+    Parameters
+    ----------
+    shape : outer shape of the blade
+    r : place on the span, 0 to 1
+    numbers : of an airfoil, of one shape for all
+    """
     groups: dict[float, list[Airfoil]] = {}
     for airfoil in shape.airfoils:
         groups.setdefault(airfoil.thickness, []).append(airfoil)
     sizes = np.array(sorted(groups))
-    shapes = np.array([along_span(groups[size], r, lambda one: one.sampled) for size in sizes])
+    values = np.array([along_span(groups[size], r, numbers) for size in sizes])
     if len(sizes) == 1:
-        return np.asarray(shapes[0])
+        return np.asarray(values[0])
     thickness = np.clip(shape.thickness.at(r), sizes[0], sizes[-1])
-    return np.asarray(PchipInterpolator(sizes, shapes)(thickness))
+    return np.asarray(PchipInterpolator(sizes, values)(thickness))
 
 
 def along_span(airfoils: list[Airfoil], r: float, numbers: Callable[[Airfoil], Array]) -> Array:
