@@ -130,11 +130,15 @@ def _together(
         if story.stopped:
             axes.plot(t[-1], values[-1], "x", color=colour(i), markersize=6)
             mark_stop(axes, float(t[-1]), t_full)
-    axes.set_title(wanted.title)
-    axes.set_xlabel("time [s]")
-    axes.set_ylabel(_label(signals[0]))
     axes.set_xlim(0, t_full)
-    canvas.figure.legend(loc="outside lower center", ncols=min(3, len(stories)))
+    return _named(canvas, axes, wanted, "time [s]", _label(signals[0]))
+
+
+def _named(canvas: Canvas, axes: Any, wanted: Comparison, along: str, up: str) -> Canvas:
+    """Give one panel with a curve for each run its title, labels and legend."""
+    axes.set(title=wanted.title, xlabel=along, ylabel=up)
+    columns = min(3, len(axes.get_legend_handles_labels()[1]))
+    canvas.figure.legend(loc="outside lower center", ncols=columns)
     return canvas
 
 
@@ -340,11 +344,7 @@ def draw_orbit(path: Path, wanted: Comparison, stories: list[Story]) -> Path:
         axes.plot(along.values[-1], up.values[-1], "o", color=colour(i), markersize=4)
     if along.unit == up.unit:
         axes.set_aspect("equal", adjustable="datalim")
-    axes.set_title(wanted.title)
-    axes.set_xlabel(_label(along))
-    axes.set_ylabel(_label(up))
-    canvas.figure.legend(loc="outside lower center", ncols=min(3, len(stories)))
-    return canvas.save(path)
+    return _named(canvas, axes, wanted, _label(along), _label(up)).save(path)
 
 
 # The amplitude spectrum of one signal of several runs.
@@ -381,9 +381,5 @@ def draw_spectrum(path: Path, wanted: Comparison, stories: list[Story]) -> Path:
     if largest > 0.0:
         axes.set_yscale("log")
         axes.set_ylim(SMALLEST * largest, 2.0 * largest)
-    axes.set_title(wanted.title)
-    axes.set_xlabel("frequency [Hz]")
-    label = signal.description or signal.name
-    axes.set_ylabel(f"amplitude: {label}{unit_text(signal.unit)}")
-    canvas.figure.legend(loc="outside lower center", ncols=min(3, len(stories)))
-    return canvas.save(path)
+    label = f"amplitude: {_label(signal)}"
+    return _named(canvas, axes, wanted, "frequency [Hz]", label).save(path)
