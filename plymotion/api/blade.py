@@ -20,8 +20,7 @@ from ..solver.inputs.case.record import CASE_FILE
 from ..solver.inputs.section.study import described_spec
 from ..solver.math.arrays import Array
 from ..solver.system.platform import cores
-from ..solver.workers.described import Entry, Made, make_files, write_specs
-from ..solver.workers.executors import Local
+from ..solver.workers.described import Entry, made_files
 from ..solver.workers.launch import keep_preprocessors
 from .result import named
 from .section import Section
@@ -186,25 +185,19 @@ def blade(
     def failed(name: str, r: float, error: Exception) -> None:
         raise error
 
-    made: list[Made] = []
     with named(None if out is None else folder):
         meshed = read_and_mesh(file, folder, count=stations, at=at, failed=failed)
         entries = [Entry(description.stem, description) for description in meshed.descriptions]
-        requests, wrong = write_specs(
-            entries,
-            meshed.sections,
-            lambda entry: described_spec(entry.file, {}, entry.name, meshed.sections),
-        )
         keep_preprocessors()
-        make_files(
-            requests,
+        made = made_files(
+            entries,
             "section",
             [] if estimate else ["--no-estimate"],
-            executor=lambda: Local(cores(), threads=True),
-            done=made.append,
-            progress=lambda _: None,
+            lambda entry: described_spec(entry.file, {}, entry.name, meshed.sections),
+            meshed.sections,
+            jobs=cores(),
         )
-        if errors := [one.error for one in (*wrong, *made) if one.status == "failed"]:
+        if errors := [one.error for one in made if one.status == "failed"]:
             raise InputError(few(errors))
         analysed = collected(meshed, ())
         write_whole(meshed, analysed, to)

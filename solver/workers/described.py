@@ -3,6 +3,7 @@
 import json
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 
 from ..errors import InputError
@@ -117,18 +118,44 @@ def made_file(
 
     Raises InputError: the description is wrong, there is no FEniCSx, or the analysis fails.
     """
-    requests, made = write_specs([entry], folder, spec_of)
+    (made,) = made_files([entry], command, options, spec_of, folder)
+    if made.status == "failed":
+        raise InputError(made.error)
+    return made.file
+
+
+def made_files(
+    entries: Sequence[Entry],
+    command: str,
+    options: Sequence[str],
+    spec_of: SpecOf,
+    folder: Path,
+    *,
+    jobs: int = 1,
+    ranks: int = 1,
+) -> list[Made]:
+    """Make results files without a word; return what became of each, wrong descriptions first.
+
+    Parameters
+    ----------
+    entries, command, options, spec_of, folder : as of `made_file`
+    jobs : preprocessors of this machine at a time
+    ranks : as of `make_files`
+
+    Raises InputError: there is no FEniCSx, or the preprocessor does not start.
+    """
+    requests, made = write_specs(entries, folder, spec_of)
+    workers = partial(Local, jobs, threads=True)
     make_files(
         requests,
         command,
         options,
-        executor=lambda: Local(1, threads=True),
+        executor=workers,
         done=made.append,
         progress=lambda _: None,
+        ranks=ranks,
     )
-    if made[0].status == "failed":
-        raise InputError(made[0].error)
-    return made[0].file
+    return made
 
 
 def make_files(

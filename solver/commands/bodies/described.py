@@ -8,15 +8,14 @@ import threading
 import time
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import nullcontext
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 from ...errors import InputError
 from ...report.table import json_text
 from ...system.interrupts import INTERRUPTED
-from ...workers.described import Entry, Made, Request, SpecOf, make_files, write_specs
-from ...workers.executors import Local, executor_of
+from ...workers.described import Entry, Made, Request, SpecOf, made_files, make_files, write_specs
+from ...workers.executors import executor_of
 from ...workers.launch import kept_preprocessors, mpi_job
 from ..arguments import FOLDERS
 
@@ -209,20 +208,10 @@ def _join(
     command: str, entries: Sequence[Entry], words: Sequence[str], spec_of: SpecOf, ranks: int
 ) -> int:
     """Share the analyses of the first rank of an MPI job, which writes and shows the results."""
-    made: list[Made] = []
     with tempfile.TemporaryDirectory(prefix="plymotion-") as folder:
         described = [entry for entry in entries if not _is_result(entry)]
         try:
-            requests, _ = write_specs(described, Path(folder), spec_of)
-            make_files(
-                requests,
-                command,
-                words,
-                executor=partial(Local, 1, threads=True),
-                done=made.append,
-                progress=lambda _: None,
-                ranks=ranks,
-            )
+            made = made_files(described, command, words, spec_of, Path(folder), ranks=ranks)
         except InputError:  # the first rank says so
             return USER_ERROR
     return USER_ERROR if any(one.status == "failed" for one in made) else 0
