@@ -5,11 +5,18 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ..errors import InputError, collected, few, nearest, refuse, under, unknown
+from ..errors import InputError, collected, nearest, refuse, under, unknown
 from .common.input_table import plain_table
 from .common.materials import check_materials, plain, unknown_materials
 from .common.mesh_files import SUFFIXES as SCRIPTS
-from .common.mesh_files import content_sha256, is_gmsh_mesh, library, mesh_source, physical_groups
+from .common.mesh_files import (
+    content_sha256,
+    is_gmsh_mesh,
+    library,
+    matched,
+    mesh_source,
+    physical_groups,
+)
 from .common.text_file import read_toml
 from .section.foreign import gmsh_mesh
 from .shell import Mesh, Region, ShellDescription, checked
@@ -32,8 +39,6 @@ BUILD = Path("build/shells")  # folder of meshes of other programs, written as t
 #
 # Plain JSON, SI and degrees; paths are relative to the working directory, plies one by one from
 # bottom to top. Materials and laminates that no region uses are omitted.
-
-ALL = "all"
 
 
 def load_shell(file: Path, buckling: int | None = None, bound: str | None = None) -> dict[str, Any]:
@@ -210,17 +215,7 @@ def _groups(description: ShellDescription, file: Path) -> list[str]:
             f'mesh.file = "{description.mesh.file}": no physical surface of it has a name, '
             'expected one per region, such as Physical Surface("skin") = {1};'
         ]
-    errors = [
-        f"regions.{name}: {file.name} has no physical surface of this name{nearest(name, surfaces)}"
-        for name in description.regions
-        if name not in (*surfaces, ALL)
-    ]
-    if ALL not in description.regions:
-        errors += [
-            f"regions.{name}: missing; {file.name} has the physical surfaces {few(surfaces)}"
-            for name in surfaces
-            if name not in description.regions
-        ]
+    _, errors = matched(description.regions, surfaces, file.name)
     known = [*points, *curves, *surfaces]
     for key, name in _places(description):
         links = () if key.startswith("links.") else description.links

@@ -6,13 +6,14 @@ Scripts run with the rights of the user, unless refused.
 import contextlib
 import hashlib
 import re
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator, Sequence
 from contextvars import ContextVar
 from pathlib import Path
 
-from ...errors import InputError
+from ...errors import InputError, few, nearest
 
 SUFFIXES = (".geo", ".py")
+ALL = "all"  # every wall or region without its own table
 _allowed: ContextVar[bool] = ContextVar("scripts_allowed", default=True)
 
 
@@ -94,6 +95,31 @@ def physical_groups(file: Path) -> tuple[list[str], list[str], list[str]]:
     ]
     points, curves, surfaces = ([name for d, name in groups if d == wanted] for wanted in range(3))
     return points, curves, surfaces
+
+
+def matched(
+    regions: Collection[str], surfaces: Sequence[str], file: str
+) -> tuple[dict[str, str], list[str]]:
+    """Return the description of each physical surface of a mesh, and what is wrong.
+
+    Parameters
+    ----------
+    regions : names of the described regions; ALL stands for surfaces without their own
+    surfaces : names of the physical surfaces of the mesh
+    file : name of the mesh, for messages
+    """
+    errors = [
+        f"regions.{name}: {file} has no physical surface of this name{nearest(name, surfaces)}"
+        for name in regions
+        if name not in (*surfaces, ALL)
+    ]
+    names = {name: name if name in regions else ALL for name in surfaces}
+    errors += [
+        f"regions.{name}: missing; {file} has the physical surfaces {few(surfaces)}"
+        for name, described in names.items()
+        if described not in regions
+    ]
+    return names, errors
 
 
 def files_read(file: Path) -> list[Path]:

@@ -18,11 +18,18 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ...errors import InputError, collected, few, nearest, refuse, unknown
+from ...errors import InputError, collected, nearest, refuse, unknown
 from ...package.specification import PlyTable, SectionMeshTable, SectionRegionTable
 from ..common.input_table import plain_table
 from ..common.materials import check_materials, plain, unknown_materials
-from ..common.mesh_files import content_sha256, is_gmsh_mesh, mesh_source, physical_names
+from ..common.mesh_files import (
+    ALL,
+    content_sha256,
+    is_gmsh_mesh,
+    matched,
+    mesh_source,
+    physical_names,
+)
 from ..common.text_file import read_toml
 from .description import FileMesh, Region, SectionDescription, ShapeMesh, checked
 from .foreign import assign_regions, read_foreign, write_arrays
@@ -31,7 +38,6 @@ from .shapes.library import Wall, expand, shape, walls
 from .shapes.parts import few_across
 from .vabs import is_of_another_code, spec_of_another_code
 
-ALL = "all"  # every wall or region without its own table
 ADD_UP = 1e-6  # relative difference of plies and wall due to rounding
 
 Stacks = Mapping[str, list[PlyTable]]  # plies of each region
@@ -185,7 +191,7 @@ def _of_gmsh(file: Path, table: FileMesh, regions: Regions) -> tuple[SectionMesh
         names = {name: name for name in regions}  # `all`: gmsh will know the others
     else:
         surfaces, curves = physical_names(file, f'mesh.file = "{table.file}"')
-        names, missing = _match(regions, surfaces, table.file)
+        names, missing = matched(regions, surfaces, table.file)
         errors += [*_no_parameters(table), *missing, *_curves(regions, curves, table.file)]
     refuse(errors)
     return mesh, names
@@ -225,25 +231,6 @@ def _direction(name: str, region: Region, stacks: Stacks) -> list[str]:
         f"regions.{name}.direction: missing, needed for the {what}: expected {{vector = [..]}}, "
         '{curve = ".."} or {circle = [..]}'
     ]
-
-
-def _match(regions: Regions, surfaces: list[str], file: str) -> tuple[dict[str, str], list[str]]:
-    """Return the description of each region of the mesh, and the errors."""
-    errors = [
-        f"regions.{name}: {file} has no physical surface of this name{nearest(name, surfaces)}"
-        for name in regions
-        if name not in (*surfaces, ALL)
-    ]
-    names = {}
-    for name in surfaces:
-        described = name if name in regions else ALL
-        if described in regions:
-            names[name] = described
-        else:
-            errors.append(
-                f"regions.{name}: missing; {file} has the physical surfaces {few(surfaces)}"
-            )
-    return names, errors
 
 
 def _curves(regions: Regions, curves: Any, file: str) -> list[str]:

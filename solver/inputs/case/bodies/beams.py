@@ -20,10 +20,11 @@ from ....math.rotations import shortest_rotations, vector_to_matrix
 from ....package.common.cells import node_positions
 from ....package.specification import BeamSpecification, LineTable, PlyTable
 from ...common.materials import plain
+from ...common.mesh_files import ALL
 from ...section.description import Region
 from ...section.shapes.library import walls
-from ...section.specification import ALL, shape_mesh, source_files
 from ...section.specification import section_spec as described_section
+from ...section.specification import shape_mesh, source_files
 from ..tables.beam_keys import BeamBody, BeamStation, Spline
 from ..tables.bodies import DescribedSection, check_modes
 from ..tables.schema import Mechanism
