@@ -10,7 +10,7 @@ import h5py
 import numpy as np
 
 from ...math.arrays import Array
-from ...package.common.container import get_text, new_file, open_file, set_text
+from ...package.common.container import as_text, get_text, new_file, open_file, set_text, text_array
 from ...package.common.object_file import check_file_checksum, version_of, write_file_checksum
 from ...package.common.plain_data import cell_text, csv_text
 from ...results import ResultError
@@ -142,12 +142,12 @@ def write_sweep(path: Path, result: SweepResult) -> None:
         for name in HEAD:
             set_text(file, {"name": "sweep"}.get(name, name), getattr(result, name))
         set_text(file, "units", "SI")
-        _write_texts(file, "parameters/name", result.parameter_names)
-        _write_texts(file, "parameters/unit", result.parameter_units)
+        file["parameters/name"] = text_array(result.parameter_names)
+        file["parameters/unit"] = text_array(result.parameter_units)
         file["parameters/values"] = result.values
         for name in TEXTS:
-            _write_texts(file, f"members/{name}", [_text(row, name) for row in result.rows])
-        _write_texts(file, "members/sha256", _digests(result))
+            file[f"members/{name}"] = text_array([_text(row, name) for row in result.rows])
+        file["members/sha256"] = text_array(_digests(result))
         file["members/t_end"] = np.array([row.t_end for row in result.rows])
         set_text(file["members/t_end"], "unit", "s")
         for name, values in result.numbers():
@@ -334,11 +334,5 @@ def _column(values: Iterable[float | None]) -> Array:
     return np.array(list(values), dtype=float)
 
 
-def _write_texts(group: h5py.Group, name: str, texts: Sequence[str]) -> None:
-    raw = [word.encode() for word in texts]
-    size = max([1, *map(len, raw)])
-    group[name] = np.array(raw, dtype=h5py.string_dtype("utf-8", size))
-
-
 def _words(dataset: h5py.Dataset) -> list[str]:
-    return [word.decode("utf-8") if isinstance(word, bytes) else str(word) for word in dataset[()]]
+    return [as_text(word) for word in dataset[()]]
