@@ -37,19 +37,26 @@ def changed(table: dict[str, Any], changes: Mapping[str, Any], file: Path) -> di
     """
     table = deepcopy(table)
     for key, value in changes.items():
-        *path, last = _parts(key)
-        place: Any = table
-        for i, part in enumerate(path):
-            if _at(place, part) not in _known(place):
-                raise InputError(
-                    f"{file}: {'.'.join(path[: i + 1])}: no such table, needed for the change of "
-                    f'"{key}"{nearest(part, map(str, _known(place)))}'
-                )
-            place = place[_at(place, part)]
-        if not isinstance(place, dict) and _at(place, last) not in _known(place):
-            raise InputError(f'{file}: {".".join(path)}: has no {last}, the change of "{key}"')
-        place[_at(place, last)] = value
+        place, last = _place(table, key, file)
+        place[last] = value
     return table
+
+
+def _place(table: dict[str, Any], key: str, file: Path) -> tuple[Any, str | int]:
+    """Return the table or list of a dotted key, and its last part; see `changed`."""
+    *path, end = _parts(key)
+    place: Any = table
+    for i, part in enumerate(path):
+        if _at(place, part) not in _known(place):
+            raise InputError(
+                f"{file}: {'.'.join(path[: i + 1])}: no such table, needed for the change of "
+                f'"{key}"{nearest(part, map(str, _known(place)))}'
+            )
+        place = place[_at(place, part)]
+    last = _at(place, end)
+    if not isinstance(place, dict) and last not in _known(place):
+        raise InputError(f'{file}: {".".join(path)}: has no {end}, the change of "{key}"')
+    return place, last
 
 
 @lru_cache(maxsize=4096)  # members of a sweep change the same keys
@@ -273,13 +280,11 @@ def _rates(leaves: Callable[[float], Leaves]) -> tuple[Leaves | None, Leaves]:
 
 
 def _number(table: dict[str, object], key: str, file: Path) -> float:
-    changed(table, {key: 0.0}, file)  # raises for a key that does not exist
-    place: Any = table
-    for part in _parts(key):
-        place = place[_at(place, part)] if _at(place, part) in _known(place) else None
-    if not is_number(str(place)) or isinstance(place, str):
-        raise InputError(f"{file}: {key} = {place!r}: expected a number in the description")
-    return float(place)
+    place, last = _place(table, key, file)
+    value: Any = place.get(last) if isinstance(place, dict) else place[last]
+    if not is_number(str(value)) or isinstance(value, str):
+        raise InputError(f"{file}: {key} = {value!r}: expected a number in the description")
+    return float(value)
 
 
 def leaves_of(spec: Any, path: tuple[str | int, ...] = ()) -> Leaves:
