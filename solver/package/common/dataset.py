@@ -340,7 +340,7 @@ def encoded(where: str, item: Any) -> list[Encoded]:
     for parent, index, one in members(item):
         at = f"{parent}/{one.name}/" if parent else ""
         if parent:
-            _check_name(f"{where}/{parent}", one.name, at in by_path)
+            check_name(f"{where}/{parent}", one.name, at in by_path)
         own = field_values(one)
         known = sizes | {s: len(own[p]) for s, p in _sized_by(_kind(one)).items() if p in own}
         sizes = sizes or known
@@ -351,7 +351,15 @@ def encoded(where: str, item: Any) -> list[Encoded]:
     return list(by_path.values())
 
 
-def _check_name(where: str, name: str, twice: bool) -> None:
+def check_name(where: str, name: str, twice: bool) -> None:
+    """Raise PackageError for a name that no group can have, or that occurs twice.
+
+    Parameters
+    ----------
+    where : file and group, for messages
+    name : of a member
+    twice : whether another one has it
+    """
     if not name or name == "." or "/" in name or "\0" in name:
         raise PackageError(f"{where}: {name!r} is not a valid name (empty, '.', or with '/')")
     if twice:

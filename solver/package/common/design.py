@@ -16,7 +16,7 @@ import numpy as np
 from ...errors import PackageError, did_you_mean
 from ...math.arrays import Array
 from .container import get_text, set_text
-from .dataset import all_values, rebuilt
+from .dataset import all_values, check_name, rebuilt
 from .findings import Remark, finite
 from .plain_data import json_text
 
@@ -135,8 +135,7 @@ def write_design(group: h5py.Group, design: Sequence[Derivative], where: str) ->
     """
     known: Datasets = {}
     for index, one in enumerate(design):
-        if not one.name or one.name == "." or "/" in one.name or "\0" in one.name:
-            raise PackageError(f"{where}/{GROUP}: {one.name!r} is not a valid name")
+        check_name(f"{where}/{GROUP}", one.name, one.name in (each.name for each in design[:index]))
         own = group.create_group(f"{GROUP}/{one.name}")
         own.attrs["index"] = np.int64(index)
         set_text(own, "kind", one.kind)
