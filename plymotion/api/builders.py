@@ -24,7 +24,8 @@ from ..solver.inputs.case.tables.kinds import (
 from ..solver.inputs.case.tables.laws import FOLDER
 from ..solver.inputs.case.tables.schema import Body, GroundPoint, PointMass
 from ..solver.inputs.common.input_table import bare_lines, members, unit, without_annotations
-from .keys import Keys, kind_of, plain
+from ..solver.package.common.plain_data import plain
+from .keys import Keys, kind_of
 
 WIDTH = 84  # of docstrings
 AXES = {

@@ -12,8 +12,9 @@ from ..solver.inputs.case.load import checked_case
 from ..solver.inputs.case.record import case_file, case_name
 from ..solver.inputs.case.tables.schema import split_key
 from ..solver.inputs.common.text_file import read_toml
+from ..solver.package.common.plain_data import plain
 from .builders import Builders
-from .keys import Keys, Tables, check, kind_of, model_of, plain, raw
+from .keys import Keys, Tables, check, kind_of, model_of, raw
 from .signal import table
 
 T = TypeVar("T")

@@ -6,7 +6,6 @@ from copy import deepcopy
 from pathlib import Path
 from typing import Any, get_args, get_origin
 
-import numpy as np
 from pydantic import BaseModel, TypeAdapter, ValidationError
 from pydantic_core import PydanticUndefined
 
@@ -15,19 +14,9 @@ from ..solver.inputs.case.tables.laws import FOLDER
 from ..solver.inputs.case.tables.schema import CaseFile, Mechanism
 from ..solver.inputs.common.input_table import Name, bare_lines, members, without_annotations
 from ..solver.inputs.section.description import shape
+from ..solver.package.common.plain_data import plain
 
 Tables = dict[str, Any]
-
-
-def plain(value: Any) -> Any:
-    """Return a value with arrays and tuples as lists, NumPy's numbers as Python's."""
-    if isinstance(value, Mapping):
-        return {str(key): plain(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [plain(item) for item in value]
-    if isinstance(value, np.ndarray | np.generic):
-        return plain(value.tolist())
-    return str(value) if isinstance(value, Path) else value
 
 
 class UnknownKey(AttributeError, InputError):

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..solver.errors import InputError, few, nearest
 from ..solver.math.arrays import Array
+from ..solver.package.common.plain_data import plain
 from ..solver.studies.cases import folder_lock
 from ..solver.studies.design.design_text import outcome_lines
 from ..solver.studies.design.study import RESULT
@@ -18,7 +19,6 @@ from ..solver.studies.design.trials import StudySpec
 from ..solver.studies.exit_codes import shown
 from ..solver.workers.executors import Here, Local
 from .case import ByName, Case, as_case
-from .keys import plain
 from .result import folder_of, named
 from .signal import pyplot, table
 

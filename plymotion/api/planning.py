@@ -11,6 +11,7 @@ from typing import Any
 from ..solver.errors import InputError
 from ..solver.inputs.case.write import write_case
 from ..solver.package.common.files import write_text
+from ..solver.package.common.plain_data import plain
 from ..solver.results.codes import PLAN_TOO_COARSE
 from ..solver.run.execution import execute, read_run
 from ..solver.studies.cases import folder_lock
@@ -25,7 +26,6 @@ from ..solver.studies.fidelity.checked_run import (
 from ..solver.workers.launch import keep_preprocessors
 from ..solver.workers.packages import build_needed
 from .case import ByName, Case, as_case
-from .keys import plain
 from .result import chosen, folder_of, named, path_of, signals_of
 from .signal import Signal
 

@@ -10,7 +10,7 @@ import numpy as np
 from ..solver.inputs.section.specification import BUILD
 from ..solver.inputs.section.study import described_spec
 from ..solver.math.arrays import Array
-from ..solver.package.common.plain_data import data_sha256
+from ..solver.package.common.plain_data import data_sha256, plain
 from ..solver.package.section.section_file import read_section
 from ..solver.package.section.section_schema import (
     CORNERS,
@@ -21,7 +21,6 @@ from ..solver.package.section.section_schema import (
 from ..solver.report.section.codes import SectionResults, read_results
 from ..solver.workers.described import Entry, made_file
 from ..solver.workers.launch import keep_preprocessors
-from .keys import plain
 from .result import named
 from .signal import Markup, pandas, table
 

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from ..solver.math.arrays import Array
+from ..solver.package.common.plain_data import plain
 from ..solver.results import RunResult, Summary
 from ..solver.studies.cases import folder_lock
 from ..solver.studies.design.gradient import compute_gradient, gradient_table
@@ -17,7 +18,6 @@ from ..solver.studies.sensitivities.case_sensitivities import (
     write_sensitivities,
 )
 from .case import ByName, Case, as_case
-from .keys import plain
 from .result import chosen, named, path_of, signals_of
 from .signal import Signal, table
 

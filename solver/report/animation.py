@@ -16,10 +16,10 @@ from ..package.common.cells import TRIANGLE
 from ..package.common.container import new_file, set_text
 from ..package.common.files import temporary_sibling
 from ..package.common.object_file import write_file_checksum
+from ..package.common.plain_data import plain
 from ..results import BodyGeometry, RunResult, read_result
 from ..results.file import frames, write_grid
 from ..results.run_result import BodyView
-from ..results.summary import plain
 from ..results.surfaces import node_positions
 from .scene import frame_rows, one_sign, site_energy, site_exposure
 from .style import COLOURS
@@ -234,7 +234,7 @@ def write_vtk(path: Path, result_file: Path) -> Path:
         file.attrs["format_version"] = np.array(FORMAT_VERSION, dtype=np.int64)
         for name, text in (("case", result.case), ("run", result.run), ("units", "SI")):
             set_text(file, name, text)
-        set_text(file, "provenance", json.dumps(plain(result.provenance)))
+        set_text(file, "provenance", json.dumps(plain(result.provenance, finite=True)))
         set_text(file, "result_sha256", file_sha256(result_file))
         grid = file.create_group("VTKHDF")
         points, cells = _write_grid(grid, bodies, np.asarray(result.t[rows]))

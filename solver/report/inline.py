@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 
 from ..math.arrays import Array, IntArray
+from ..package.common.plain_data import plain
 from ..results import RunResult
-from ..results.summary import plain
 from .case_figures import UNITS, WORDS
 
 # All arrays of a page as one text: byte-shuffled, compressed, base64.
@@ -68,7 +68,8 @@ class Blob:
 
 def json_for_script(value: Any) -> str:
     """Return JSON that may stand in a <script> element; NaN and infinity become null."""
-    text = json.dumps(plain(value), ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+    value = plain(value, finite=True)
+    text = json.dumps(value, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     return text.replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029")
 
 

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from ..math.arrays import Array
-from ..results.summary import Summary, findings, plain, verdict
+from ..package.common.plain_data import plain
+from ..results.summary import Summary, findings, verdict
 
 ROUND_OFF = 1e-10  # of sqrt(K_ii K_jj): smaller entries of a matrix are shown as 0
 WIDTH = 100  # columns of the screen that tables of signals take
@@ -193,4 +194,4 @@ def warning_lines(warnings: Sequence[Mapping[str, Any]]) -> list[str]:
 
 def json_text(value: Any) -> str:
     """Return a value as JSON for programs and readers; NaN and infinity become null."""
-    return json.dumps(plain(value), indent=2, ensure_ascii=False, allow_nan=False)
+    return json.dumps(plain(value, finite=True), indent=2, ensure_ascii=False, allow_nan=False)

@@ -14,8 +14,8 @@ from ..math.arrays import Array, IntArray
 from ..math.rows import LongRows
 from ..package.common.container import as_text, is_text, set_text, text_array
 from ..package.common.dataset import build, field_values, layout
+from ..package.common.plain_data import plain
 from .run_result import BodyGeometry, BodyView, Link, Loads, ResultError, Side, Sites, Surface
-from .summary import plain
 
 # Datasets of a result file: rows over time, in chunks of one column each.
 
@@ -318,11 +318,11 @@ def view_record(view: BodyView) -> Record:
         "first_position": view.first_position,
         "mass": view.mass,
         "labels": json.dumps(view.labels) if view.labels else "[]",
-        "provenance": json.dumps(plain(view.provenance)) if view.provenance else "{}",
+        "provenance": json.dumps(plain(view.provenance, finite=True)) if view.provenance else "{}",
     }
     record |= field_values(view) | field_values(view.surface, SURFACE)
     if view.sites is not None:
-        record["sites/plies"] = json.dumps(plain(view.sites.plies))
+        record["sites/plies"] = json.dumps(plain(view.sites.plies, finite=True))
         record["sites/dimension"] = view.sites.dimension
     return record
 

@@ -22,6 +22,7 @@ from ..package.common.container import (
 )
 from ..package.common.dataset import field_values
 from ..package.common.object_file import check_file_checksum, version_of, write_file_checksum
+from ..package.common.plain_data import plain
 from .datasets import (
     LAYOUT,
     MOST_GROUPS,
@@ -53,7 +54,6 @@ from .run_result import (
     Signal,
     check_result,
 )
-from .summary import plain
 from .surfaces import MOST_STORED, drawn_by_views, positions_of_views
 
 AT_ONCE = 6_000_000  # bytes of positions in memory, which do not grow with output times
@@ -108,7 +108,7 @@ def write_result(
         set_text(file, "run", result.run)
         set_text(file, "units", "SI")
         group = file.create_group("results")
-        provenance = json.dumps(plain(result.provenance))
+        provenance = json.dumps(plain(result.provenance, finite=True))
         if len(provenance.encode()) > MAX_ATTRIBUTE:
             write_texts(group, "provenance", [provenance])
         else:

@@ -1,7 +1,6 @@
 """summary.json: the main numbers of a run, and what they are worth in words."""
 
 import json
-import math
 from collections.abc import Mapping, MutableMapping, Sequence
 from pathlib import Path
 from typing import Any, Literal, TypedDict
@@ -11,6 +10,7 @@ import numpy as np
 from ..math.arrays import Array
 from ..math.rows import spans
 from ..package.common.files import write_text
+from ..package.common.plain_data import plain
 from .codes import UNDER_WAY, Entry, Finding
 from .run_result import ResultError, Signal
 
@@ -221,7 +221,9 @@ def write_summary(path: str | Path, summary: Summary) -> None:
     """Write a summary as standard JSON: NaN and inf become null."""
     path = Path(path)
     try:
-        text = json.dumps(plain(summary), indent=2, ensure_ascii=False, allow_nan=False)
+        text = json.dumps(
+            plain(summary, finite=True), indent=2, ensure_ascii=False, allow_nan=False
+        )
     except TypeError as error:
         raise ResultError(
             f"{path}: the summary contains a value that is not JSON: {error}"
@@ -241,16 +243,3 @@ def read_summary(path: str | Path) -> Summary:
     if not isinstance(summary, dict) or "run" not in summary:
         raise ResultError(f"{path}: key run: expected the summary of a run, there is no such key")
     return summary
-
-
-def plain(value: Any) -> Any:
-    """Return a value as JSON can hold it: arrays as lists, NaN and infinity as null."""
-    if isinstance(value, dict):
-        return {str(key): plain(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [plain(item) for item in value]
-    if isinstance(value, np.ndarray | np.generic):
-        return plain(value.tolist())
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value

@@ -24,6 +24,25 @@ PLACES = ("file", "arrays")
 DIGITS = 12  # the last ones of a cosine in the spacing of a mesh depend on the machine
 
 
+def plain(value: Any, *, finite: bool = False) -> Any:
+    """Return a value as plain data: tuples and arrays as lists, NumPy's numbers as Python's.
+
+    Parameters
+    ----------
+    value : of tables, lists, arrays, numbers, texts and paths
+    finite : NaN and infinity become None, as JSON has neither
+    """
+    if isinstance(value, Mapping):
+        return {str(key): plain(item, finite=finite) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(item, finite=finite) for item in value]
+    if isinstance(value, np.ndarray | np.generic):
+        return plain(value.tolist(), finite=finite)
+    if finite and isinstance(value, float) and not math.isfinite(value):
+        return None
+    return str(value) if isinstance(value, Path) else value
+
+
 def canonical(data: Any) -> str:
     """Return the JSON text that is the same for the same content."""
     return json.dumps(data, sort_keys=True)
@@ -237,7 +256,7 @@ def shard(text: str) -> tuple[int, int]:
 def json_text(where: str, value: Any) -> str:
     """Return JSON text; arrays become lists. Raises PackageError for values that are not JSON."""
     try:
-        return json.dumps(value, default=_plain)
+        return json.dumps(plain(value))
     except (TypeError, ValueError) as cause:
         raise PackageError(f"{where}: {cause}") from cause
 
@@ -249,11 +268,3 @@ def json_table(where: str, text: str) -> dict[str, object]:
     except json.JSONDecodeError as cause:
         raise PackageError(f"{where}: not JSON: {cause}") from cause
     return table if isinstance(table, dict) else {where.rsplit(" ", 1)[-1]: table}
-
-
-def _plain(value: object) -> object:
-    if isinstance(value, np.ndarray | np.generic):
-        return value.tolist()
-    if isinstance(value, Path):
-        return str(value)
-    raise TypeError(f"cannot be written as JSON: {value!r}")
