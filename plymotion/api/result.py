@@ -10,7 +10,6 @@ import numpy as np
 
 from ..solver.errors import InputError, counted, few, nearest
 from ..solver.inputs.case.design import Case as CheckedCase
-from ..solver.inputs.case.write import write_case
 from ..solver.math.arrays import Array
 from ..solver.math.compiled import tell_if_slow
 from ..solver.package.common.files import named_by_user
@@ -21,7 +20,7 @@ from ..solver.studies.cases import folder_lock
 from ..solver.studies.exit_codes import shown
 from ..solver.studies.runs import run_one
 from ..solver.workers.launch import keep_preprocessors
-from ..solver.workers.packages import build_needed
+from ..solver.workers.packages import prepared
 from .case import ByName, Case, as_case
 from .signal import Signal, pandas, pyplot, signals_table, table
 
@@ -288,11 +287,8 @@ def written(checked: CheckedCase, folder: Path, file: str, packages: str | Path 
     ----------
     packages : folder of ready packages; None: they are built where that is necessary
     """
-    write_case(checked, folder, path_of(packages))
-    if packages is None:
-        keep_preprocessors()
-        build_needed([folder / file])
-    return folder / file
+    keep_preprocessors()
+    return prepared(checked, folder, file, path_of(packages))
 
 
 def path_of(folder: str | Path | None) -> Path | None:
@@ -333,15 +329,9 @@ def run_named(name: str, run: str | None, runs: Iterable[str]) -> str:
     runs : names of its runs
     """
     known = list(runs)
-    run = run or only_run(name, known)
+    if run is None and len(known) != 1:
+        raise InputError(f"{name}: expected the name of a run: {few(known)}")
+    run = known[0] if run is None else run
     if run not in known:
         raise InputError(f"{name} has no run {run!r}{nearest(str(run), known)}")
     return run
-
-
-def only_run(name: str, runs: Iterable[str]) -> str:
-    """Return the only run of a case. Raises InputError."""
-    runs_given = list(runs)
-    if len(runs_given) != 1:
-        raise InputError(f"{name}: expected the name of a run: {few(runs_given)}")
-    return runs_given[0]

@@ -11,6 +11,7 @@ import numpy as np
 from ..solver.errors import InputError, counted, few, nearest
 from ..solver.math.arrays import Array
 from ..solver.package.common.files import write_text
+from ..solver.package.common.plain_data import plain
 from ..solver.studies.cases import folder_lock
 from ..solver.studies.exit_codes import shown
 from ..solver.studies.sweep.file import (
@@ -26,8 +27,7 @@ from ..solver.studies.sweep.portions import RowFile, settled
 from ..solver.studies.sweep.sweep_members import read_sweep_spec
 from ..solver.workers.executors import Here, Local
 from .case import ByName, Case, as_case
-from .keys import plain
-from .result import folder_of, named, only_run, written
+from .result import folder_of, named, run_named, written
 from .signal import pandas, pyplot, table
 
 
@@ -265,7 +265,7 @@ def sweep(
         name = name or "python"
         case = deepcopy(case)
         own = {
-            "run": run or only_run(case.name, case.runs),
+            "run": run or run_named(case.name, None, case.runs),
             "vary": _listed(vary),
             "set": expressions or {},
         }
