@@ -13,7 +13,7 @@ from ..dynamics.elements.forces.table import FORCES
 from ..math.arrays import Array, IntArray
 from ..package.common.materials import PlyStrength, YieldStrength
 from ..results import BodyGeometry, RunResult
-from ..results.run_result import BodyView, Link, Loads, Side, Sites
+from ..results.run_result import BodyView, Link, Loads, Side, Sites, Surface
 from ..results.summary import findings
 from ..results.surfaces import halved, prism, unit_sphere
 from ..strength import criteria_of
@@ -231,10 +231,14 @@ def joint_width(body: BodyGeometry, view: BodyView, side: Side, size: float) -> 
     return min(max(least, OUTSIDE * float(around.max(initial=0.0))), MOST_WIDTH * size)
 
 
-def foot(width: float) -> tuple[Array, IntArray]:
-    """Return points and triangles of a place on the ground, as above."""
-    return prism(4, 0.8 * width, 0.8 * width)
-
+# The ground: places on it are drawn as a body without motion, which has no surface of its own.
+STILL = np.array([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
+_NO, _NONE = np.zeros(0), np.zeros(0, dtype=np.int64)
+_NOTHING = Surface(_NONE, np.zeros((0, 3)), _NONE.reshape(0, 3), _NONE, _NONE.reshape(0, 3))
+_VIEW = BodyView(
+    0, np.zeros((0, 0, 6)), np.zeros((0, 0)), _NO, (), 0.0, np.zeros(3), lambda: _NOTHING
+)
+GROUND = BodyGeometry("ground", np.zeros((0, 3)), _NONE, _NONE, _NONE, _VIEW)
 
 TRIANGLES = 60_000  # of a body; of more, every n-th is shown
 
@@ -264,10 +268,11 @@ def scene(blob: Blob, story: Story, share: int) -> dict[str, object] | None:
     usable = np.concatenate([usable, *ground])
     low, high = usable.min(axis=0), usable.max(axis=0)
     origin, size = 0.5 * (low + high), float(np.linalg.norm(high - low)) or 1.0
+    drawn = [*enumerate(result.bodies), *([(-1, GROUND)] if ground else [])]
     bodies = [
         _body(blob, result, i, body, body.view, rows, field_rows, origin, own, size)
         | {"exposure": _largest_exposure(story, body.name)}
-        for i, body in enumerate(result.bodies)
+        for i, body in drawn
         if body.view is not None
     ]
     return {
@@ -276,7 +281,7 @@ def scene(blob: Blob, story: Story, share: int) -> dict[str, object] | None:
         "origin": origin,
         "size": size,
         "extent": high - low,
-        "bodies": bodies + _ground(blob, own, origin, size, len(rows)),
+        "bodies": bodies,
         "joints": _pairs(own, result.bodies),
         "loads": _loads(blob, result.loads, origin, share),
     }
@@ -331,9 +336,11 @@ def _body(
 ) -> dict[str, object]:
     m, first = len(view.shapes_B), view.first_position
     q = np.asarray(result.q[:, first + 7 : first + 7 + m])
-    motion = np.array(result.q[rows, first : first + 7])
-    motion[:, :3] -= origin
-    motion[:, 3:] = one_sign(motion[:, 3:])
+    motion, still = np.tile(STILL, (len(rows), 1)), origin
+    if number >= 0:
+        motion, still = np.array(result.q[rows, first : first + 7]), np.zeros(3)
+        motion[:, :3] -= origin
+        motion[:, 3:] = one_sign(motion[:, 3:])
     surface, nodes, shapes = view.surface, [body.nodes_B], [np.moveaxis(view.shapes_B, 0, 1)]
     count = len(body.nodes_B)
     node, offset = [surface.node], [surface.offset_B]
@@ -344,11 +351,14 @@ def _body(
         for side in link.sides:
             if side.body != number:
                 continue
-            points, faces = glyph(link.free, joint_width(body, view, side, size))
+            if number < 0:
+                points, faces = prism(4, 0.8 * WIDTH * size, 0.8 * WIDTH * size)
+            else:
+                points, faces = glyph(link.free, joint_width(body, view, side, size))
             triangles.append(faces + sum(len(part) for part in node))
             node.append(np.full(len(points), count))
             offset.append(points @ side.A_BM.T)
-            nodes.append(side.position_B[None])
+            nodes.append(side.position_B[None] - still)
             shapes.append(np.concatenate([side.phi_B, side.psi_B]).T[None])
             edges.append(np.zeros(len(faces), dtype=np.int64))
             site.append(np.full(faces.shape, -1))
@@ -412,41 +422,6 @@ def _ply_name(sites: Sites, row: int) -> str:
     ply = sites.plies[row]
     angle = f", {ply['angle_deg']:g} deg" if "yield_stress" not in (ply["strength"] or {}) else ""
     return f"{ply['region']} ply {ply['index']}: {ply['material']}{angle}" if row >= 0 else "none"
-
-
-def _ground(
-    blob: Blob, links: list[Link], origin: Array, size: float, count: int
-) -> list[dict[str, object]]:
-    """Return a body without motion at `count` times with the sides of joints on the ground."""
-    places = [side for link in links for side in link.sides if side.body < 0]
-    if not places:
-        return []
-    shape, faces = foot(WIDTH * size)
-    p, f = len(shape), len(faces)
-    still = np.tile(np.array([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]), (count, 1))
-    triangles = np.concatenate([faces + p * k for k in range(len(places))])
-    return [
-        {
-            "name": "ground",
-            "modes": 0,
-            "labels": (),
-            "motion": blob.add(still),
-            "q": blob.add(np.zeros((count, 0))),
-            "nodes": blob.add(np.array([side.position_B - origin for side in places])),
-            "shapes": blob.add(np.zeros((len(places), 0, 6))),
-            "node": blob.add(np.repeat(np.arange(len(places)), p), "<u4"),
-            "offset": blob.add(np.concatenate([shape @ side.A_BM.T for side in places])),
-            "triangles": blob.add(triangles, "<u4"),
-            "edges": blob.add(np.zeros(f * len(places)), "|u1"),
-            "site": blob.add(np.zeros((f * len(places), 3)), "<u4"),
-            "kind": blob.add(np.ones(f * len(places)), "|u1"),
-            "left_out": 1,
-            "displacement": 0.0,
-            "energy": 0.0,
-            "exposure": 0.0,
-            "sites": None,
-        }
-    ]
 
 
 def _pairs(links: list[Link], bodies: tuple[BodyGeometry, ...]) -> list[dict[str, object]]:
