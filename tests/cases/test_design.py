@@ -12,10 +12,13 @@ from scipy.optimize import minimize_scalar
 
 import plymotion as pm
 from plymotion.solver.errors import InputError
+from plymotion.solver.package import write_package
+from plymotion.solver.package.common.design import Derivative
 from plymotion.solver.studies.design.memory import FILE
 from plymotion.solver.studies.design.trials import StudySpec, Trials
 from tests.samples.design_samples import BEST, CARBON, F_MAX, V0, M, angles, oscillator, swung, tube
 from tests.samples.exchange_routes import PROGRAMS
+from tests.samples.package_samples import cantilever
 
 
 def _case(table: dict[str, Any], name: str = "case") -> pm.Case:
@@ -78,6 +81,19 @@ def test_component_of_openmdao(monkeypatch: pytest.MonkeyPatch) -> None:
     checked = problem.check_partials(out_stream=None, method="fd", form="central", step=0.1)
     for each in checked["study"].values():
         assert np.abs(each["J_fwd"] - each["J_fd"]).max() < 1e-5 * np.abs(each["J_fd"]).max()
+
+
+def test_packages_of_the_case_keep_their_own_derivatives(tmp_path: Path) -> None:
+    """One by a parameter that happens to have the name of one of the study changes no design."""
+    package = cantilever()
+    rate = Derivative("k", "number", (), {"modes/frequencies": package.frequencies})
+    write_package(tmp_path / "arm.vtkhdf", replace(package, design=(rate,)))
+    table = oscillator(maximise={"frequency": "arm"}, subject_to=[])
+    del table["design"]["studies"]["stop"]["minimise"]
+    table["bodies"]["arm"] = {"kind": "package", "package": "arm.vtkhdf"}
+    table["joints"]["clamp"] = {"kind": "fixed", "between": ["ground.zero", "arm.root"]}
+    given = StudySpec(table, tmp_path / "case.toml", False, "stop", tmp_path, exact=True)
+    assert Trials(given).slopes(np.array([100.0])) == [[[0.0]]]
 
 
 def test_slope_of_a_peak_is_that_of_the_closed_form() -> None:

@@ -210,6 +210,32 @@ def test_few_allowed_designs_are_all_compared(step: float) -> None:
     assert start.best.p == ([60.0, -60.0] if step == 30.0 else [0.0, 0.0])
 
 
+class _Valley(_Plates):
+    """Designs of two angles: best at 37 and 37 deg, and elsewhere where both are equal."""
+
+    def values(self, p: Array) -> Values:
+        f = 2.0 - ((p[0] - 37.0) / 90.0) ** 2 - 9.0 * ((p[1] - p[0]) / 90.0) ** 2
+        return Values("", [[f]], [f], [""])
+
+    def slopes(self, p: Array) -> list[list[list[float]]]:
+        along, across = -2.0 * (p[0] - 37.0) / 90.0**2, -18.0 * (p[1] - p[0]) / 90.0**2
+        return [[[along - across, across]]]
+
+
+def test_continuous_angles_follow_discrete_ones() -> None:
+    step, free = angles(1, step=30.0), {"p1": angles(2)["p1"]}
+    study, start = _study(2, step | free), Start(0)
+
+    def problem(z: Array) -> Problem:
+        return Problem(_Valley(), study.table, [Mass(study.table.objective)], space_of(study), z)
+
+    search(start, study, problem, np.array([10.0, -10.0]))
+    assert start.continuous is not None
+    assert start.continuous.p == pytest.approx([37.0, 37.0], abs=0.1)
+    assert start.best is not None
+    assert start.best.p == pytest.approx([30.0, 30.0], abs=0.1)
+
+
 class _Strong(_Plates):
     """Plies of six thicknesses; exposures of 40 plies of two bodies, of which 8 are known."""
 
@@ -271,3 +297,11 @@ def test_starts_begin_at_the_case_and_cover_the_bounds() -> None:
     quarters = {(a > 0.0, b > 0.0) for a, b in points[1:]}
     assert len(quarters) == 4
     assert (points == first_points(study, space_of(study))).all()
+
+
+def test_some_starts_have_one_direction_of_all_plies() -> None:
+    """Independent angles have a mean near zero; stiffnesses of a laminate are such means."""
+    study = _study(12, angles(12), starts=16)
+    directions = np.cos(np.radians(2.0 * first_points(study, space_of(study)))).mean(axis=1)
+    assert directions.min() < -0.8
+    assert directions.max() > 0.8

@@ -120,6 +120,10 @@ class Problem:
         if self.bounded:
             self.bounds = np.r_[self.bounds, [[-FEASIBLE if self.restoring else -1e6, 1e6]]]
 
+    def again(self, z0: Array, space: Space, *, restoring: bool = False) -> "Problem":
+        """Return the problem with another begin, in a space that may be smaller."""
+        return Problem(self.designs, self.study, self.measures, space, z0, restoring=restoring)
+
     @property
     def peaks(self) -> int:
         """Number of the first entries of `cons` that bound the objective."""

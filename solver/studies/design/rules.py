@@ -4,7 +4,7 @@ The angles of all plies are linear in the parameters of kind angle. The matrix i
 specifications of bodies, in which lay-ups are complete however they were written.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -82,6 +82,21 @@ class Space:
         """Return the point whose parameters are nearest, within the bounds."""
         z = np.linalg.lstsq(self.T, p - self.c, rcond=None)[0]
         return np.asarray(np.clip(z, self.lower, self.upper))
+
+    def only(self, free: Sequence[int], z: Array) -> "Space":
+        """Return the space of some of its parameters; the others keep their values of z."""
+        kept = z.copy()
+        kept[free] = 0.0
+        return Space(
+            tuple(self.names[k] for k in free),
+            self.T[:, free],
+            self.p(kept),
+            self.lower[free],
+            self.upper[free],
+            self.A[:, free],
+            self.b - self.A @ kept,
+            tuple(self.allowed[k] for k in free),
+        )
 
 
 def space_of(study: CheckedStudy) -> Space:

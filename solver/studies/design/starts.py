@@ -1,7 +1,7 @@
 """One start of a study: gradient steps, a turn away from a saddle, then the discrete search."""
 
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, field
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -66,16 +66,23 @@ class Start:
 
 
 def first_points(study: CheckedStudy, space: Space) -> Array:
-    """Return the free parameters (k, z) at which starts begin: the case, then Sobol points."""
+    """Return the free parameters (k, z) at which starts begin: the case, then Sobol points.
+
+    The first half of the points has one share of the bounds for all angles. Stiffnesses are means
+    over plies, so that many independent angles all make nearly the same laminate.
+    """
     count = study.table.starts
     own = space.z(study.start)[None]
     if count == 1:
         return own
-    named = [k for k, name in enumerate(space.names) if study.parameters[name].names]
+    kinds = [study.parameters[name] for name in space.names]
+    named = [k for k, parameter in enumerate(kinds) if parameter.names]
+    angles = [k for k, parameter in enumerate(kinds) if parameter.kind == "angle"]
     from scipy.stats import qmc  # here: loading it takes 0.4 s
 
     sobol = qmc.Sobol(len(space.names), rng=np.random.default_rng(study.table.seed))
     shares = sobol.random_base2(int(np.ceil(np.log2(count - 1))) if count > 2 else 0)[: count - 1]
+    shares[: count // 2, angles] = shares[: count // 2, angles[:1]]
     points = np.r_[own, space.lower + shares * (space.upper - space.lower)]
     points[:, named] = np.rint(points[:, named])  # there is nothing between names
     return points
@@ -134,18 +141,31 @@ def search(
             break
         for restoring in (True, False):  # the nearest design within the limits, then on from there
             z = problem.space.z(np.array((start.best or before).p))
-            problem = replace(
-                problem, z0=z, best=None, history=[], invalid=[], front=[], restoring=restoring
-            )
+            problem = problem.again(z, problem.space, restoring=restoring)
             _descend(problem, start, study)
         if start.best is before:
             break
     start.continuous = start.best
     if start.best is not None and any(problem.space.allowed):
-        start.best = discrete(problem, study, start.best)
-        if not start.best.shown:
-            wrong = few(broken(study, np.array(start.best.p))) or "values that are not allowed"
+        _allowed(problem, start, study, start.best)
+
+
+def _allowed(problem: Problem, start: Start, study: CheckedStudy, best: Point) -> None:
+    """Search allowed values, then continuous parameters beside them, in turn while that helps."""
+    free = [k for k, values in enumerate(problem.space.allowed) if not values]
+    for _ in range(RESTORED):
+        start.best = best = discrete(problem, study, best)
+        if not best.shown:
+            wrong = few(broken(study, np.array(best.p))) or "values that are not allowed"
             start.best, start.message = None, f"no design near it follows the rules: {wrong}"
+            return
+        if not free or study.table.front is not None:
+            return
+        z = problem.space.z(np.array(best.p))
+        _descend(problem.again(z[free], problem.space.only(free, z)), start, study)
+        if start.best is best:
+            return
+        best = start.best
 
 
 def _descend(problem: Problem, start: Start, study: CheckedStudy) -> None:

@@ -370,7 +370,9 @@ class Trials:
         }
         for name, body in mechanism.bodies.items():
             if isinstance(body, PackageBody):
-                packages[name] = read_package(self.given.file.parent / body.package)
+                # its own derivatives are by other parameters, whatever their names
+                package = read_package(self.given.file.parent / body.package)
+                packages[name] = replace(package, design=())
         return RunSpec(self.case, run, mechanism, packages)
 
     def mechanism(self, members: Members, k: int) -> Mechanism:
