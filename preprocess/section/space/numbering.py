@@ -18,122 +18,83 @@ from ...fenicsx import EDGES, NODES
 from .section_cells import CORNERS, FULL, KINDS, CellMesh, IntArray, filling, full_basis, patterns
 
 NEAR = 1e-9  # of the reference cell
+ROUNDING = 1e-14  # of the functions of an edge
 
 
-class Numbering:
-    """Nodes of each cell, and the values of nodes that neighbours determine.
+def lagrange_nodes(mesh: CellMesh, degree: int) -> tuple[list[IntArray], int, sp.csr_matrix | None]:
+    """Nodes of Lagrange functions; those on an edge are numbered by its corners and their place.
 
-    Attributes
-    ----------
-    n_node : number of nodes
+    Returns
+    -------
     of_cells : for each kind in mesh.of_kinds, (c, k) nodes in the order of Basix
+    n_node : number of nodes
+    P : values of all nodes from the free ones, (n_node, n_free), where those on half an edge follow
+        from those of the whole edge; None without hanging nodes
     """
+    along = fenicsx.reference_nodes("interval", degree)[:, 0]
+    order = np.argsort(along)  # Basix: ends first
+    along = along[order]
 
-    def __init__(self, mesh: CellMesh, degree: int) -> None:
-        self.degree = degree
-        self._vertex, compact = np.unique(
-            np.concatenate([mesh.edge_table[1], mesh.edge_table[2], mesh.hanging.ravel()]),
-            return_inverse=True,
-        )
-        e = len(mesh.edge_table[0])
-        first, second = compact[:e], compact[e : 2 * e]
-        self._hanging = compact[2 * e :].reshape(-1, 3)
-        n_vertex = len(self._vertex)
-        low, high = np.minimum(first, second), np.maximum(first, second)
-        self._keys, edge = np.unique(low * n_vertex + high, return_inverse=True)
-        self._n_vertex, n_edge = n_vertex, len(self._keys)
-        inner = degree - 1  # nodes inside an edge
-        total = n_vertex + n_edge * inner
-        self.of_cells: list[IntArray] = []
-        start = 0
-        for kind, rows in mesh.of_kinds:
-            sides = CORNERS[kind]
-            some = slice(start, start + len(rows) * sides)
-            start = some.stop
-            corner = first[some].reshape(-1, sides)
-            forward = (first < second)[some].reshape(-1, sides)
-            edges = edge[some].reshape(-1, sides)
-            places = fenicsx.reference_nodes(KINDS[kind], degree)
-            nodes = np.full((len(rows), len(places)), -1)
-            inside = []
-            for local, place in enumerate(places):
-                vertex, side, t = _where(kind, place)
-                if vertex >= 0:
-                    nodes[:, local] = corner[:, vertex]
-                elif side >= 0:
-                    row = int(np.argmin(np.abs(_inner(degree) - t)))
-                    step = np.where(forward[:, side], row, inner - 1 - row)
-                    nodes[:, local] = n_vertex + edges[:, side] * inner + step
-                else:
-                    inside.append(local)
-            count = len(inside)
-            own = total + np.arange(len(rows) * count).reshape(len(rows), count)
-            nodes[:, inside] = own
-            total += own.size
-            self.of_cells.append(nodes)
-        self.n_node = total
+    def key(a: IntArray, b: IntArray, step: Any) -> IntArray:
+        """A number for the node after some steps on the edge from corner a to corner b."""
+        low, high = np.minimum(a, b), np.maximum(a, b)
+        step = np.where(a < b, step, degree - step)
+        low = np.where(step == degree, high, low)
+        high = np.where(step == 0, low, high)
+        return np.asarray((low * len(mesh.points) + high) * degree + step % degree)
 
-    def expansion(self) -> sp.csr_matrix | None:
-        """Values of all nodes from the free ones, (n_node, n_free); None without hanging nodes.
-
-        The values of nodes on half an edge follow from those of the whole edge.
-        """
-        if not len(self._hanging):
-            return None
-        p = self.degree
-        inner = _inner(p)
-        along = np.argsort(fenicsx.reference_nodes("interval", p)[:, 0])  # Basix: ends first
-        matrix = sp.identity(self.n_node, format="lil")
-        for a, b, m in self._hanging:
-            lo, hi = min(a, b), max(a, b)
-            masters = self._edge_nodes(lo, hi)
-            rows, places = [int(m)], [0.5]
-            for end, at in ((lo, 0.0), (hi, 1.0)):
-                nodes = self._edge_nodes(min(end, m), max(end, m))[1:-1]
-                # they are numbered from the end with the lower number
-                local = at + (0.5 - at) * inner if end < m else 0.5 + (at - 0.5) * inner
-                rows += nodes
-                places += list(local)
-            weights = fenicsx.lagrange("interval", p, np.array(places)[:, None])[0][:, along]
-            for row, values in zip(rows, weights, strict=True):
-                matrix.rows[row], matrix.data[row] = [], []
-                for column, value in sorted(zip(masters, values, strict=True)):
-                    if abs(value) > 1e-14:
-                        matrix.rows[row].append(column)
-                        matrix.data[row].append(float(value))
-        P = matrix.tocsr()
-        slaves = np.flatnonzero(np.asarray(P.diagonal()) == 0.0)
-        while True:  # a master may be a slave of a still larger cell
-            free = np.ones(self.n_node, dtype=bool)
-            free[slaves] = False
-            if not P[:, ~free].nnz:
-                return P[:, free].tocsr()
-            P = (P @ P).tocsr()
-
-    def _edge_nodes(self, low: int, high: int) -> list[int]:
-        """Nodes of an edge from its lower to its higher corner."""
-        edge = int(np.searchsorted(self._keys, low * self._n_vertex + high))
-        assert self._keys[edge] == low * self._n_vertex + high, "a hanging node without its edge"
-        first = self._n_vertex + edge * (self.degree - 1)
-        return [int(low), *range(first, first + self.degree - 1), int(high)]
+    tables = []
+    for kind, rows in mesh.of_kinds:
+        corners = mesh.nodes[rows, : CORNERS[kind]]
+        places = fenicsx.reference_nodes(KINDS[kind], degree)
+        tables.append(np.full((len(rows), len(places)), -1))
+        for local, place in enumerate(places):
+            for a, b, step in _on_edge(kind, place, along):
+                tables[-1][:, local] = key(corners[:, a], corners[:, b], step)
+    keys = np.unique(np.concatenate([table.ravel() for table in tables]))
+    keys = keys[keys >= 0]
+    of_cells, total = [], len(keys)
+    for table in tables:
+        nodes, inside = np.searchsorted(keys, table), table < 0
+        nodes[inside] = total + np.arange(np.count_nonzero(inside))
+        total += np.count_nonzero(inside)
+        of_cells.append(nodes)
+    if not len(mesh.hanging):
+        return of_cells, total, None
+    a, b, middle = mesh.hanging.T[:, :, None]
+    steps = np.arange(degree + 1)
+    masters = np.searchsorted(keys, key(a, b, steps))
+    halves = [key(a, middle, steps[1:]), key(middle, b, steps[1:-1])]
+    slaves = np.searchsorted(keys, np.concatenate(halves, axis=1))
+    at = np.concatenate([0.5 * along[1:], 0.5 + 0.5 * along[1:-1]])
+    weights = fenicsx.lagrange("interval", degree, at[:, None])[0][:, order]
+    weights[np.abs(weights) < ROUNDING] = 0.0
+    shape = (len(mesh.hanging), len(at), len(steps))
+    entries = [
+        np.broadcast_to(part, shape).ravel()
+        for part in (weights, slaves[:, :, None], masters[:, None])
+    ]
+    free = np.ones(total, dtype=bool)
+    free[slaves] = False
+    of_slaves = sp.csr_matrix((entries[0], (entries[1], entries[2])), shape=(total, total))
+    of_slaves.eliminate_zeros()
+    P = sp.csr_matrix(sp.diags(free.astype(float)) + of_slaves)
+    while P[:, ~free].nnz:  # a master may be a slave of a still larger cell
+        P = P @ P
+    return of_cells, total, P[:, free].tocsr()
 
 
-def _where(kind: int, place: Array) -> tuple[int, int, float]:
-    """Corner, or edge and position on it, of a node of the reference cell; -1 if neither."""
+def _on_edge(kind: int, place: Array, along: Array) -> list[tuple[int, int, int]]:
+    """Corners of an edge of the reference cell that has a node, and its steps from the first one.
+
+    No edge: empty. `along` are the places of nodes on an edge of length 1.
+    """
     corners = NODES[KINDS[kind]][: CORNERS[kind]] / 2.0
-    near = np.flatnonzero(np.abs(corners - place).max(axis=1) < NEAR)
-    if near.size:
-        return int(near[0]), -1, 0.0
-    for side, (a, b) in enumerate(EDGES[KINDS[kind]]):
-        along, away = corners[b] - corners[a], place - corners[a]
-        if abs(along[0] * away[1] - along[1] * away[0]) < NEAR:
-            return -1, side, float(along @ away / (along @ along))
-    return -1, -1, 0.0
-
-
-def _inner(degree: int) -> Array:
-    """Positions of the nodes inside an edge of length 1, ascending."""
-    return np.asarray(np.sort(fenicsx.reference_nodes("interval", degree)[:, 0])[1:-1])
+    for a, b in EDGES[KINDS[kind]]:
+        edge, away = corners[b] - corners[a], place - corners[a]
+        if abs(edge[0] * away[1] - edge[1] * away[0]) < NEAR:
+            return [(a, b, int(np.argmin(np.abs(along - edge @ away / (edge @ edge)))))]
+    return []
 
 
 EVERY = slice(None)
@@ -209,15 +170,13 @@ class CellBlock:
 def lagrange_parts(
     mesh: CellMesh, degree: int
 ) -> tuple[list[CellBlock], int, sp.csr_matrix | None]:
-    """Lagrange functions: the parts, the number of nodes, and `Numbering.expansion`."""
-    numbering = Numbering(mesh, degree)
+    """Lagrange functions: the parts, the number of nodes, and P of `lagrange_nodes`."""
+    of_cells, n_node, P = lagrange_nodes(mesh, degree)
     parts = [
         CellBlock(kind, rows, shape, nodes, degree, None)
-        for (kind, rows), shape, nodes in zip(
-            mesh.of_kinds, mesh.shapes, numbering.of_cells, strict=True
-        )
+        for (kind, rows), shape, nodes in zip(mesh.of_kinds, mesh.shapes, of_cells, strict=True)
     ]
-    return parts, numbering.n_node, numbering.expansion()
+    return parts, n_node, P
 
 
 def own_parts(mesh: CellMesh) -> tuple[list[CellBlock], int]:

@@ -3,6 +3,7 @@
 A refined cell is divided into four. Corners of small cells may hang on edges of large ones.
 """
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -189,15 +190,12 @@ def full_basis(kind: int, points: Array) -> tuple[Array, Array]:
     return values[:, order], slopes[:, order]
 
 
-Edge = tuple[int, int]
-
-# Places of the nodes on the reference cell whose corners children have, and these corners: corners
-# of the parent, middles of its edges, centre.
-PLACES = (NODES["triangle"] / 2.0, NODES["quadrilateral"] / 2.0)
+# Corners of the children of a cell: corners of the parent, middles of its edges, its centre.
 CHILDREN = (
     np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]]),
     np.array([[0, 4, 8, 7], [4, 1, 5, 8], [8, 5, 2, 6], [7, 8, 6, 3]]),
 )
+STEP = 2**31  # above every number of a node
 
 
 def refined(mesh: CellMesh, marked: NDArray[np.bool_]) -> CellMesh:
@@ -207,150 +205,138 @@ def refined(mesh: CellMesh, marked: NDArray[np.bool_]) -> CellMesh:
     an edge differ by one division at most.
     """
     marked = _with_neighbours(mesh, marked)
-    work = _Division(mesh, marked)
-    return work.divided()
+    if not marked.any():
+        return mesh
+    nodes = _Nodes(mesh)
+    divided = [
+        (kind, rows[marked[rows]], shape[marked[rows]])
+        for (kind, rows), shape in zip(mesh.of_kinds, mesh.shapes, strict=True)
+    ]
+    tables = [mesh.nodes[rows] for _, rows, _ in divided]
+    of_kinds = [(kind, shape) for kind, _, shape in divided]
+    parents = nodes.completed(tables, of_kinds)
+    children = []
+    for table, (kind, _) in zip(parents, of_kinds, strict=True):
+        corners = table[:, CHILDREN[kind]].reshape(-1, CORNERS[kind])
+        rest = MOST_NODES - CORNERS[kind]
+        children.append(np.pad(corners, ((0, 0), (0, rest)), constant_values=ABSENT))
+    if mesh.degree == 2:
+        places = [(kind, _in_children(kind, shape)) for kind, shape in of_kinds]
+        children = nodes.completed(children, places)
+    kept = np.flatnonzero(~marked)
+    origin = np.concatenate([kept, *(np.repeat(rows, 4) for _, rows, _ in divided)])
+    angles = mesh.layer_angle
+    if angles is not None:
+        of_children = [_angles(kind, angles[rows]) for kind, rows, _ in divided]
+        angles = np.concatenate([angles[kept], *of_children])
+    new = CellMesh(
+        np.concatenate(nodes.points),
+        np.concatenate([mesh.nodes[kept], *children]),
+        mesh.kind[origin],
+        mesh.region[origin],
+        mesh.regions,
+        layer_angle=angles,
+    )
+    ends, middle = _edges(zip([kind for kind, _ in of_kinds], parents, strict=True))
+    split = np.concatenate([mesh.hanging, np.column_stack([ends, middle])])
+    keys, first = np.unique(_keys(split[:, :2]), return_index=True)
+    left = np.isin(keys, _keys(np.column_stack(new.edge_table[1:])))
+    return replace(new, hanging=split[first[left]])
 
 
-def _key(a: int, b: int) -> Edge:
-    return (int(a), int(b)) if a < b else (int(b), int(a))
+def _keys(ends: IntArray) -> IntArray:
+    """A number for each pair of nodes (e, 2), whatever their order."""
+    return np.asarray(np.sort(ends, axis=1) @ [STEP, 1])
+
+
+def _edges(tables: Iterable[tuple[int, IntArray]]) -> tuple[IntArray, IntArray]:
+    """Ends (e, 2) of the edges in tables of nodes by kind, and nodes in their middles (e,)."""
+    ends, middle = [], []
+    for kind, nodes in tables:
+        corners = CORNERS[kind]
+        ends.append(nodes[:, EDGES[KINDS[kind]]].reshape(-1, 2))
+        middle.append(nodes[:, corners : 2 * corners].ravel())
+    return np.concatenate(ends), np.concatenate(middle)
 
 
 def _with_neighbours(mesh: CellMesh, marked: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """Cells with an edge on which a marked cell hangs are marked too."""
-    if not len(mesh.hanging):
-        return marked
-    half = {}
-    for a, b, m in mesh.hanging.tolist():
-        half[_key(a, m)] = half[_key(m, b)] = _key(a, b)
-    owner: dict[Edge, int] = {}
     cells, first, second = mesh.edge_table
-    whole = set(half.values())
-    for cell, a, b in zip(cells.tolist(), first.tolist(), second.tolist(), strict=True):
-        if _key(a, b) in whole:
-            owner[_key(a, b)] = cell
+    keys = _keys(np.column_stack([first, second]))
+    order = np.argsort(keys)
+    a, b, middle = mesh.hanging.T
+    whole, *halves = (
+        cells[order[np.searchsorted(keys, _keys(np.column_stack(ends)), sorter=order)]]
+        for ends in ((a, b), (a, middle), (middle, b))
+    )
     marked = marked.copy()
-    waiting = np.flatnonzero(marked).tolist()
-    while waiting:
-        cell = waiting.pop()
-        corners = mesh.nodes[cell]
-        for edge in (_key(corners[a], corners[b]) for a, b in EDGES[KINDS[mesh.kind[cell]]]):
-            other = owner.get(half.get(edge, (-1, -1)), -1)
-            if other >= 0 and not marked[other]:
-                marked[other] = True
-                waiting.append(other)
+    while not (needed := marked[whole] | ~(marked[halves[0]] | marked[halves[1]])).all():
+        marked[whole[~needed]] = True
     return marked
 
 
-class _Division:
-    """New points and cells of one refinement."""
+class _Nodes:
+    """Nodes of a mesh whose cells are divided; `points` are those of the mesh and new ones."""
 
-    def __init__(self, mesh: CellMesh, marked: NDArray[np.bool_]) -> None:
-        self.mesh, self.marked = mesh, marked
-        self.linear = mesh.degree == 1
-        self.points: list[Array] = []
-        self.n = len(mesh.points)
-        self.middle: dict[Edge, int] = {}  # node in the middle of an edge
-        for kind, rows in mesh.of_kinds:
-            corners = CORNERS[kind]
-            for side, (a, b) in enumerate(EDGES[KINDS[kind]]):
-                nodes = mesh.nodes[rows]
-                known = nodes[:, corners + side] >= 0
-                for p, q, m in nodes[known][:, [a, b, corners + side]].tolist():
-                    self.middle[_key(p, q)] = m
-        for a, b, m in mesh.hanging.tolist():
-            self.middle[_key(a, b)] = m
-        self.split: dict[Edge, int] = {_key(a, b): m for a, b, m in mesh.hanging.tolist()}
+    def __init__(self, mesh: CellMesh) -> None:
+        self.points = [mesh.points]
+        self._count = len(mesh.points)
+        ends, middle = _edges((kind, mesh.nodes[rows]) for kind, rows in mesh.of_kinds)
+        ends = np.concatenate([ends, mesh.hanging[:, :2]])
+        middle = np.concatenate([middle, mesh.hanging[:, 2]])
+        there = middle >= 0
+        self._known, first = np.unique(_keys(ends[there]), return_index=True)
+        self._middle = middle[there][first]
 
-    def divided(self) -> CellMesh:
-        mesh = self.mesh
-        nodes, kinds, regions, angles = [], [], [], []
-        for (kind, rows), shape in zip(mesh.of_kinds, mesh.shapes, strict=True):
-            chosen = self.marked[rows]
-            cells = rows[chosen]
-            if not len(cells):
-                continue
-            nodes.append(self._children(kind, cells, shape[chosen]))
-            kinds.append(np.full(4 * len(cells), kind))
-            regions.append(np.repeat(mesh.region[cells], 4))
-            if mesh.layer_angle is not None:
-                angles.append(self._angles(kind, mesh.layer_angle[cells]))
-        kept = ~self.marked
-        new = CellMesh(
-            np.concatenate([mesh.points, *self.points]),
-            np.concatenate([mesh.nodes[kept], *nodes]),
-            np.concatenate([mesh.kind[kept], *kinds]),
-            np.concatenate([mesh.region[kept], *regions]),
-            mesh.regions,
-            layer_angle=None
-            if mesh.layer_angle is None
-            else np.concatenate([mesh.layer_angle[kept], *angles]),
-        )
-        _, first, second = new.edge_table
-        left = {_key(a, b) for a, b in zip(first.tolist(), second.tolist(), strict=True)}
-        hanging = [(*edge, m) for edge, m in self.split.items() if edge in left]
-        return replace(new, hanging=np.array(hanging, dtype=np.int64).reshape(-1, 3))
-
-    def _node(self, place: Array) -> int:
-        self.points.append(place[None])
-        self.n += 1
-        return self.n - 1
-
-    def _middle(self, a: int, b: int, place: Array) -> int:
-        edge = _key(a, b)
-        if edge not in self.middle:
-            self.middle[edge] = self._node(place)
-        return self.middle[edge]
-
-    def _children(self, kind: int, cells: IntArray, shape: Array) -> IntArray:
-        corners, full = CORNERS[kind], FULL[kind]
-        edges = EDGES[KINDS[kind]]
-        reference = _child_places(kind)  # (4, full, 2)
-        places = (full_basis(kind, reference.reshape(-1, 2))[0] @ shape).reshape(
-            len(cells), 4, full, 2
-        )
-        whole = full_basis(kind, PLACES[kind])[0] @ shape
-        out = np.full((len(cells), 4, MOST_NODES), ABSENT)
-        for i, cell in enumerate(cells.tolist()):
-            parent = self.mesh.nodes[cell]
-            local = np.full(full, ABSENT)
-            local[:corners] = parent[:corners]
-            for side, (a, b) in enumerate(edges):
-                m = self._middle(parent[a], parent[b], whole[i, corners + side])
-                self.split[_key(parent[a], parent[b])] = m
-                local[corners + side] = m
-            if full == 9:
-                local[8] = parent[8] if parent[8] >= 0 else self._node(whole[i, 8])
-            for j, child in enumerate(CHILDREN[kind]):
-                own = local[child]
-                out[i, j, :corners] = own
-                if self.linear:
-                    continue
-                for side, (a, b) in enumerate(edges):
-                    out[i, j, corners + side] = self._middle(
-                        own[a], own[b], places[i, j, corners + side]
-                    )
-                if full == 9:
-                    out[i, j, 8] = self._node(places[i, j, 8])
-        return out.reshape(-1, MOST_NODES)
-
-    @staticmethod
-    def _angles(kind: int, angles: Array) -> Array:
-        """Layer angles of the children: those of the parent at their nodes."""
-        if angles.shape[1] == 1:
-            return np.repeat(angles, 4, axis=0)
-        full = FULL[kind]
-        values = full_basis(kind, _child_places(kind).reshape(-1, 2))[0] @ angles[:, :full, None]
-        out = np.zeros((len(angles) * 4, MOST_NODES))
-        out[:, :full] = values.reshape(-1, full)
+    def completed(
+        self, tables: Sequence[IntArray], of_kinds: Sequence[tuple[int, Array]]
+    ) -> list[IntArray]:
+        """Tables of nodes (c, 9) of some kinds, with a node in the middle of each edge and in each
+        centre, from the kind and the places (c, 6 or 9, 2) of its nodes."""
+        kinds = [kind for kind, _ in of_kinds]
+        ends, _ = _edges(zip(kinds, tables, strict=True))
+        places = [x[:, CORNERS[kind] : 2 * CORNERS[kind]].reshape(-1, 2) for kind, x in of_kinds]
+        keys, first, number = np.unique(_keys(ends), return_index=True, return_inverse=True)
+        node = np.full(len(keys), ABSENT)
+        _, own, known = np.intersect1d(keys, self._known, assume_unique=True, return_indices=True)
+        node[own] = self._middle[known]
+        node[node < 0] = self._added(np.concatenate(places)[first[node < 0]])
+        counts = np.cumsum([len(x) for x in places])[:-1]
+        out = []
+        for table, middle, (kind, x) in zip(
+            tables, np.split(node[number.ravel()], counts), of_kinds, strict=True
+        ):
+            corners, whole = CORNERS[kind], table.copy()
+            whole[:, corners : 2 * corners] = middle.reshape(-1, corners)
+            if FULL[kind] == MOST_NODES:
+                bare = whole[:, 8] < 0
+                whole[bare, 8] = self._added(x[bare, 8])
+            out.append(whole)
         return out
 
+    def _added(self, places: Array) -> IntArray:
+        """Numbers of new nodes at some places (k, 2)."""
+        self.points.append(places)
+        self._count += len(places)
+        return np.arange(self._count - len(places), self._count)
 
-def _child_places(kind: int) -> Array:
-    """Positions of all nodes of the children on the reference cell, (4, 6 or 9, 2)."""
-    out = []
+
+def _in_children(kind: int, values: Array) -> Array:
+    """Values at the nodes of children, (4 c, 6 or 9, m), from those of cells (c, 6 or 9, m)."""
+    reference = []
     for child in CHILDREN[kind]:
-        corners = PLACES[kind][child]
+        corners = NODES[KINDS[kind]][child] / 2.0
         middles = [0.5 * (corners[a] + corners[b]) for a, b in EDGES[KINDS[kind]]]
-        centre = [corners.mean(axis=0)] if FULL[kind] == 9 else []
-        out.append(np.array([*corners, *middles, *centre]))
-    return np.array(out)
+        centre = [corners.mean(axis=0)] if FULL[kind] == MOST_NODES else []
+        reference += [*corners, *middles, *centre]
+    at = full_basis(kind, np.array(reference))[0] @ values
+    return np.asarray(at.reshape(-1, *values.shape[1:]))
+
+
+def _angles(kind: int, angles: Array) -> Array:
+    """Layer angles of the children: those of the parent at their nodes."""
+    if angles.shape[1] == 1:
+        return np.repeat(angles, 4, axis=0)
+    out = np.zeros((len(angles) * 4, MOST_NODES))
+    out[:, : FULL[kind]] = _in_children(kind, angles[:, : FULL[kind], None])[..., 0]
+    return out
