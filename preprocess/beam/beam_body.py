@@ -19,7 +19,7 @@ from .beam_reduction import (
     held_dofs,
     reference_condition,
     spinning_loads,
-    static_loads,
+    unit_forces,
     unit_loads,
 )
 from .beam_specification import BeamSpec
@@ -110,14 +110,17 @@ def beam_input(model: BeamModel, solver: EigenSolver) -> tuple[Condition, list[S
     line, spec, nodes = model.line, model.spec, model.reference_nodes
     first = nodes[0] if nodes else 0
     condition = reference_condition(line, spec.mass_form, spec.reference.kind, nodes)
-    loads = static_loads(line, spec.modes, model.node_of, first)
+    forces = unit_forces(line, model.node_of)
+    # for a mean axis the load along the beam is zero at the mass centre in any case
+    outwards = line.nodes_B[:, 0] - line.nodes_B[first, 0]
+    loads = spec.modes.static_loads(forces, list(model.node_of), outwards, line.nodes_B)
     loads += spinning_loads(condition, line, spec.modes.spinning, first)
     if model.carried and spec.modes.eigenmodes:
         chord = reference_condition(line, spec.mass_form, "chord", nodes)
         modes = eigenmodes(chord, spec.modes.eigenmodes, *_kinds(model), solver)
         for label, value, column in zip(modes.labels, modes.values, modes.columns_B.T, strict=True):
             loads.append(StaticLoad(label, np.zeros_like(column), value * column))
-    return condition, loads, unit_loads(condition, line, model.node_of)
+    return condition, loads, unit_loads(condition, line, forces)
 
 
 def beam_package(

@@ -8,10 +8,8 @@ import numpy as np
 from ...solver.errors import coded, few
 from ...solver.math.arrays import Array, IntArray
 from ...solver.package.body.invariants import rigid_motions
-from ...solver.package.specification import DIRECTIONS
-from ..modes.reduced import StaticLoad, accelerations, inertia_loads
-from ..modes.reference import Condition, HeldDofs, MeanAxis
-from .beam_specification import ModeSpec
+from ..modes.reduced import StaticLoad, accelerations
+from ..modes.reference import HELD, Condition, HeldDofs, MeanAxis
 from .element import BeamElement, scaled_inverse
 from .line import BeamLine, LineSection
 
@@ -113,12 +111,6 @@ def spinning_loads(
     return loads
 
 
-# Dofs of the reference nodes that are fixed in the frame. Clamped: all six of a node. Chord:
-# the x axis runs through both nodes, and there is no twist at the first.
-CLAMPED = (range(6),)
-CHORD = ((0, 1, 2, 3), (1, 2))
-
-
 def reference_condition(
     line: BeamLine, mass_form: str, kind: str, nodes: tuple[int, ...]
 ) -> Condition:
@@ -149,42 +141,23 @@ def held_dofs(kind: str, nodes: tuple[int, ...]) -> IntArray | None:
     """Dofs (6,) that are fixed in the frame of `reference_condition`; None for a mean axis."""
     if kind == "mean-axis":
         return None
-    dofs = CLAMPED if kind == "clamped" else CHORD
-    return np.array([6 * n + dof for n, own in zip(nodes, dofs, strict=True) for dof in own])
+    return np.array([6 * n + dof for n, own in zip(nodes, HELD[kind], strict=True) for dof in own])
 
 
-def static_loads(
-    line: BeamLine, spec: ModeSpec, node_of: dict[str, int], origin: int
-) -> list[StaticLoad]:
-    """Loads of the static modes that a specification requests.
-
-    `node_of` has the nodes of the interfaces. `origin` is the node where the load that increases
-    along the beam is zero (for a mean axis it is zero at the mass centre in any case).
-    """
-    zero = np.zeros(6 * line.n_node)
-    loads = []
-    for at, direction in spec.attachments:
-        force = zero.copy()
-        force[6 * node_of[at] + DIRECTIONS.index(direction)] = 1.0
-        loads.append(StaticLoad(f"attachment {at} {direction}", force, zero))
-    if spec.static_axial:
-        outwards = np.zeros((line.n_node, 6))  # centrifugal acceleration at 1 rad/s
-        outwards[:, 0] = line.nodes_B[:, 0] - line.nodes_B[origin, 0]
-        loads.append(StaticLoad("static-axial", zero, outwards.ravel()))
-    if spec.static_inertia:
-        loads += inertia_loads(rigid_motions(line.nodes_B).reshape(6 * line.n_node, 6))
-    return loads
+def unit_forces(line: BeamLine, node_of: dict[str, int]) -> Array:
+    """Unit forces and moments at the interfaces with these nodes, (6 n, 6 i)."""
+    at = [6 * node + k for node in node_of.values() for k in range(6)]
+    forces = np.zeros((6 * line.n_node, len(at)))
+    forces[at, np.arange(len(at))] = 1.0
+    return forces
 
 
-def unit_loads(condition: Condition, line: BeamLine, node_of: dict[str, int]) -> Array:
-    """Unit loads (6 n, l) of the compliance of a package: of interfaces, and inertia.
+def unit_loads(condition: Condition, line: BeamLine, forces: Array) -> Array:
+    """Unit loads (6 n, l) of the compliance of a package: `forces` of interfaces, and inertia.
 
     The nodes turn with the slope t x A t of the moved line, and with half of the curl about its
     tangent t: a consistent mass would bend elements whose ends do not turn.
     """
-    at = [6 * node + k for node in node_of.values() for k in range(6)]
-    forces = np.zeros((6 * line.n_node, len(at)))
-    forces[at, np.arange(len(at))] = 1.0
     fields = accelerations(np.repeat(line.nodes_B, 6, axis=0), np.arange(len(forces)) % 6)
     t = np.gradient(line.nodes_B, line.along, axis=0)
     t /= np.linalg.norm(t, axis=1, keepdims=True)

@@ -1,5 +1,6 @@
 """Specification of a beam body, and the modes of a body specification."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, cast
@@ -8,9 +9,11 @@ import numpy as np
 
 from ...solver.errors import did_you_mean, few
 from ...solver.math.arrays import Array
+from ...solver.package.body.invariants import rigid_motions
 from ...solver.package.common.plain_data import SpecError, check_form, expected
 from ...solver.package.specification import DIRECTIONS, BeamSpecification, LineTable, ReferenceTable
 from ..modes.eigenmodes import ModeRequest
+from ..modes.reduced import StaticLoad, inertia_loads
 from .line import section_axes
 
 
@@ -47,6 +50,29 @@ class ModeSpec:
     static_axial: bool = False
     static_inertia: bool = False
     spinning: tuple[tuple[str, int], ...] = ()
+
+    def static_loads(
+        self, forces: Array, interfaces: Sequence[str], outwards: Array, places: Array
+    ) -> list[StaticLoad]:
+        """Loads of the static modes, but for those of a spinning beam.
+
+        Parameters
+        ----------
+        forces : (n_dof, 6 i) unit forces and moments at the interfaces, on six dofs of each node
+        interfaces : names
+        outwards : (n,) centrifugal acceleration of the nodes along x at 1 rad/s [m/s2]
+        places : (n, 3) nodes from the point about which rigid accelerations turn [m]
+        """
+        zero, loads = np.zeros(len(forces)), []
+        for at, direction in self.attachments:
+            force = forces[:, 6 * interfaces.index(at) + DIRECTIONS.index(direction)]
+            loads.append(StaticLoad(f"attachment {at} {direction}", force, zero))
+        if self.static_axial:
+            along = np.outer(outwards, np.eye(6)[0]).ravel()
+            loads.append(StaticLoad("static-axial", zero, along))
+        if self.static_inertia:
+            loads += inertia_loads(rigid_motions(places).reshape(-1, 6))
+        return loads
 
 
 def read_reference(table: ReferenceTable, places: dict[str, float]) -> Reference:

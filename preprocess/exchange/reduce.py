@@ -21,7 +21,7 @@ from ..modes.eigenmodes import (
     shares_of,
 )
 from ..modes.reduced import Modes, StaticLoad, accelerations, completed
-from ..modes.reference import Algebra, Condition, HeldDofs, MeanAxis, ModeError
+from ..modes.reference import HELD, Algebra, Condition, HeldDofs, MeanAxis, ModeError
 from .direct import Direct, Solver
 from .free_body import DIRECTIONS, FreeBody, free_body, labelled_cells, recovered
 from .import_table import SI, Reduction, UnitsTable, damping_ratio, provenance, sizes
@@ -30,7 +30,6 @@ from .inertia import Inertia, bent_body, inertia, second_order_sums
 from .refusals import check_free_body
 
 Tell = Callable[[str], None]  # called with the name of each step
-CHORD = ((0, 1, 2, 3), (1, 2))
 ALONG = 1e-6  # sine of the angle between a chord and x
 SPARE = 4
 SEVENTH = 1e-14  # value of a mode without stiffness, relative to the largest K_ii / M_ii
@@ -172,10 +171,9 @@ def _modes(
         condition: HeldDofs | MeanAxis = MeanAxis(K, M, parts.rigid, algebra, still)
         direct.add_subset(np.setdiff1d(np.arange(K.shape[0]), still))
     else:
-        dofs = (range(6),) if kind == "clamped" else CHORD
         held = [
             parts.reference_dofs[link.name][list(own)]
-            for link, own in zip(carriers, dofs, strict=True)
+            for link, own in zip(carriers, HELD[kind], strict=True)
         ]
         condition = HeldDofs(K, M, np.concatenate(held), algebra)
         direct.add_subset(condition.free)

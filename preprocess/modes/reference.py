@@ -24,6 +24,8 @@ import scipy.sparse.linalg as spla
 
 from ...solver.math.arrays import Array, IntArray, smallest_eigenvalue
 
+# Dofs of the nodes that carry a frame which are zero in it, by kind of the condition.
+HELD = {"clamped": (range(6),), "chord": ((0, 1, 2, 3), (1, 2))}
 LEAST_INERTIA = 1e-12  # smallest eigenvalue of the rigid body's mass of unit diagonal
 
 # K, M sparse and n: the n lowest values and vectors of K x = value M x, K positive definite

@@ -367,8 +367,10 @@ def _corners_around(mesh: CellMesh) -> dict[int, tuple[Array, IntArray]]:
 
 
 def _wedges(angles: Array, cells: IntArray, stiffness: Array) -> tuple[Array, Array, bool] | None:
-    """Ends and stiffness of the wedges around a node, in axes along the beginning of the first one;
-    None where stresses are not singular."""
+    """Ends and stiffness of the wedges around a node, in axes along the beginning of the first one.
+
+    None where stresses are not singular, and where cells leave more than one gap.
+    """
     widths = angles[:, 1] - angles[:, 0]
     C = stiffness[cells]
     one = bool(np.abs(C - C[0]).max() <= ALIKE * np.abs(C[0]).max())
@@ -376,16 +378,16 @@ def _wedges(angles: Array, cells: IntArray, stiffness: Array) -> tuple[Array, Ar
     closed = total > 2.0 * np.pi - ALIKE
     if one and (closed or total < STRAIGHT):
         return None
-    order = _rising(angles, closed)
-    if order is None:
+    order = np.argsort(angles[:, 0])
+    gap = np.roll(angles[order, 0], -1) - angles[order, 1]  # to the next cell around the node
+    apart = np.flatnonzero(np.abs(np.mod(gap + np.pi, 2.0 * np.pi) - np.pi) >= ALIKE)
+    if len(apart) != (0 if closed else 1):
         return None
+    C = stiffness[cells[order]]
+    change = np.abs(np.roll(C, -1, axis=0) - C).max(axis=(1, 2))
+    begin = 1 + int(np.argmax(change) if closed else apart[0])  # where the material changes
+    order, C = np.roll(order, -begin), np.roll(C, -begin, axis=0)
     ends = angles[order[0], 0] + np.concatenate([[0.0], np.cumsum(widths[order])])
-    C = C[order]
-    if closed and not one:  # begin where the material changes
-        change = np.abs(C - np.roll(C, 1, axis=0)).max(axis=(1, 2))
-        begin = int(np.argmax(change))
-        order, C = [*order[begin:], *order[:begin]], np.roll(C, -begin, axis=0)
-        ends = angles[order[0], 0] + np.concatenate([[0.0], np.cumsum(widths[order])])
     change = np.abs(np.diff(C, axis=0)).max(axis=(1, 2)) > ALIKE * np.abs(C).max()
     keep = np.concatenate([[True], change])
     materials = C[keep]
@@ -396,20 +398,3 @@ def _wedges(angles: Array, cells: IntArray, stiffness: Array) -> tuple[Array, Ar
     c, s = np.cos(bounds[0]), np.sin(bounds[0])
     seen = rotated(materials, np.array([[1.0, 0.0, 0.0], [0.0, c, s], [0.0, -s, c]]))
     return bounds - bounds[0], seen, closed
-
-
-def _rising(angles: Array, closed: bool) -> list[int] | None:
-    """Cells around a node one after the other; None if they leave more than one gap."""
-    n = len(angles)
-    gap = np.mod(angles[None, :, 0] - angles[:, None, 1] + np.pi, 2.0 * np.pi) - np.pi
-    following = np.abs(gap) < ALIKE
-    lonely = np.flatnonzero(~following.any(axis=0))
-    if len(lonely) != (0 if closed else 1):
-        return None
-    order = [0 if closed else int(lonely[0])]
-    while len(order) < n:
-        after = np.flatnonzero(following[order[-1]])
-        if not after.size:
-            return None
-        order.append(int(after[0]))
-    return order

@@ -16,13 +16,11 @@ from .space.space import SectionSpace
 SOLVABILITY = 1e-10
 NO_SOLUTION = 1e-6
 WELL = 1e8  # growth of a random load up to which no correction is needed
-ENOUGH = 1e-12  # square root of the relative energy of a correction that needs no further one
-MOST_CORRECTIONS = 8
 # Parts of its diagonal that are added to E where rounding leaves no positive pivots; the factor
 # then is only the preconditioner of conjugate gradients.
 SHIFTS = (1e-14, 1e-13, 1e-12)
 MOST_STEPS = 300  # of conjugate gradients
-GRADIENTS = 1e-10  # square root of the relative energy of a step that needs no further one
+ENOUGH = 1e-12  # square root of the relative energy of a step that needs no further one
 
 
 def rigid_fields(space: SectionSpace) -> Array:
@@ -124,37 +122,17 @@ class WarpingSolver:
         free = self._kept.free
         W = np.zeros_like(load)
         W[free] = self._factor.solve(load[free])
-        if self.shift:
+        if self.shift or (product is not None and self.growth > WELL):
             assert product is not None, "a shifted factor needs the residual"
             W = self._by_gradients(W, load, product)
-        elif product is not None and self.growth > WELL:
-            W = self._corrected(W, load, product)
         return W - self.rigid @ np.linalg.solve(self._rigid_gram, self._rigid_load.T @ W)
 
-    def _corrected(self, W: Array, load: Array, product: Callable[[Array], Array]) -> Array:
-        """Iterative refinement, until a correction does not reduce the next one."""
-        assert self._factor is not None
-        free, last = self._kept.free, np.inf
-        for _ in range(MOST_CORRECTIONS):
-            residual = load - product(W)
-            step = self._factor.solve(residual[free])
-            # energy of the correction over that of the solution
-            energy = np.sum(step * residual[free], axis=0) / np.sum(W * load, axis=0)
-            size = float(np.sqrt(np.abs(energy).max()))
-            if not size < 0.5 * last:
-                break
-            W[free] += step
-            last = size
-            if size < ENOUGH:
-                break
-        return W
-
     def _by_gradients(self, W: Array, load: Array, product: Callable[[Array], Array]) -> Array:
-        """Conjugate gradients from W, each column on its own; the shifted factor is the
-        preconditioner.
+        """Conjugate gradients from W, each column on its own; the factor is the preconditioner.
 
-        All but the few softest motions of the section are solved at once. Raises SectionError if
-        the others do not converge, as those of a singular matrix.
+        Without a shift they correct the rounding of the factor in a few steps. With a shift, all
+        but the few softest motions of the section are solved at once. Raises SectionError if the
+        others do not converge, as those of a singular matrix.
         """
         assert self._factor is not None
         free = self._kept.free
@@ -165,12 +143,12 @@ class WarpingSolver:
         for _ in range(MOST_STEPS):
             # energy of the next step over that of the solution
             energy = np.abs(np.sum(W * load, axis=0))
-            if np.all(sizes <= GRADIENTS**2 * energy):
+            if np.all(sizes <= ENOUGH**2 * energy):
                 return W
             whole[free] = along
             force = product(whole)[free]
             work = np.sum(along * force, axis=0)
-            active = (sizes > GRADIENTS**2 * energy) & (work > 0.0)
+            active = (sizes > ENOUGH**2 * energy) & (work > 0.0)
             length = np.where(active, sizes / np.where(active, work, 1.0), 0.0)
             W[free] += length * along
             residual -= length * force

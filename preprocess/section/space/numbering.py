@@ -39,9 +39,11 @@ def lagrange_nodes(mesh: CellMesh, degree: int) -> tuple[list[IntArray], int, sp
         """A number for the node after some steps on the edge from corner a to corner b."""
         low, high = np.minimum(a, b), np.maximum(a, b)
         step = np.where(a < b, step, degree - step)
-        low = np.where(step == degree, high, low)
-        high = np.where(step == 0, low, high)
-        return np.asarray((low * len(mesh.points) + high) * degree + step % degree)
+        n = len(mesh.points)
+        # after all corners: thin walls then have their base on the same face everywhere
+        # (unknowns.py)
+        inside = n + (low * n + high) * degree + step
+        return np.where(step == 0, low, np.where(step == degree, high, inside))
 
     tables = []
     for kind, rows in mesh.of_kinds:

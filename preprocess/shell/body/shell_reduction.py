@@ -10,12 +10,10 @@ from functools import cached_property, partial
 import numpy as np
 
 from ....solver.math.arrays import Array, IntArray
-from ....solver.package.body.invariants import rigid_motions
 from ....solver.package.common.plain_data import SpecError, expected
-from ....solver.package.specification import DIRECTIONS
 from ... import fenicsx
-from ...modes.reduced import StaticLoad, accelerations, inertia_loads
-from ...modes.reference import Algebra, Condition, HeldDofs, MeanAxis
+from ...modes.reduced import StaticLoad, accelerations
+from ...modes.reference import HELD, Algebra, Condition, HeldDofs, MeanAxis
 from ..analyses.frequencies import TOLERANCE
 from ..model.links import Link
 from ..model.shell_problem import ShellProblem
@@ -23,9 +21,6 @@ from ..shell_cells import DOFS
 from .interfaces import SAME_PLACE, ShellBodySpec
 from .shell_stations import nodal_mass
 
-# Held dofs of the reference nodes: all if clamped; for a chord those that keep both nodes on x.
-CLAMPED = (range(6),)
-CHORD = ((0, 1, 2, 3), (1, 2))
 ALONG = 1e-6  # sine of the angle between a chord and the x axis
 
 
@@ -89,8 +84,8 @@ class ShellModel:
             return MeanAxis(K, M, freedom.rigid_motions()[freedom.free], MUMPS)
         if kind == "chord":
             self._check_chord()
-        dofs = CLAMPED if kind == "clamped" else CHORD
-        held = [self.link_dofs(n)[list(own)] for n, own in zip(self.carriers, dofs, strict=True)]
+        dofs = zip(self.carriers, HELD[kind], strict=True)
+        held = [self.link_dofs(n)[list(own)] for n, own in dofs]
         return HeldDofs(K, M, np.searchsorted(freedom.free, np.concatenate(held)), MUMPS)
 
     def _check_chord(self) -> None:
@@ -105,22 +100,8 @@ class ShellModel:
 
     def static_loads(self) -> list[StaticLoad]:
         """Loads of the requested static modes."""
-        freedom, modes = self.problem.freedom, self.spec.modes
-        number = {interface.name: i for i, interface in enumerate(self.spec.interfaces)}
-        zero = np.zeros(freedom.n_free)
-        loads, forces = [], self._unit_forces()
-        for at, direction in modes.attachments:
-            label = f"attachment {at} {direction}"
-            force = forces[:, 6 * number[at] + DIRECTIONS.index(direction)]
-            loads.append(StaticLoad(label, force, zero))
-        if modes.static_axial:
-            outwards = np.zeros((len(self.independent_nodes), DOFS))
-            outwards[:, 0] = (self._places_B - self.origin_B)[:, 0]
-            loads.append(StaticLoad("static-axial", zero, outwards.ravel()))
-        if modes.static_inertia:
-            places = self._places_B - self.origin_B
-            loads += inertia_loads(rigid_motions(places).reshape(-1, 6))
-        return loads
+        places, names = self._places_B - self.origin_B, [i.name for i in self.spec.interfaces]
+        return self.spec.modes.static_loads(self._unit_forces(), names, places[:, 0], places)
 
     def _unit_forces(self) -> Array:
         """Unit forces and moments at the interfaces, on the independent dofs, (n_free, 6 i)."""
