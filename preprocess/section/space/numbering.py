@@ -58,8 +58,9 @@ def lagrange_nodes(mesh: CellMesh, degree: int) -> tuple[list[IntArray], int, sp
     of_cells, total = [], len(keys)
     for table in tables:
         nodes, inside = np.searchsorted(keys, table), table < 0
-        nodes[inside] = total + np.arange(np.count_nonzero(inside))
-        total += np.count_nonzero(inside)
+        count = int(np.count_nonzero(inside))
+        nodes[inside] = total + np.arange(count)
+        total += count
         of_cells.append(nodes)
     if not len(mesh.hanging):
         return of_cells, total, None
