@@ -20,28 +20,17 @@ import numpy as np
 
 from ...solver.math.arrays import Array, IntArray
 from ...solver.package.common.materials import bond
-from .helical import (
-    AlongAxis,
-    CentralSolutions,
-    Equations,
-    TwistedStrains,
-    Waves,
-    change_of_resultants,
-)
+from .helical import CentralSolutions, Equations, TwistedStrains, change_of_resultants
 from .recovery import Result, middles, nodal_displacements, unit_displacements
 from .section_parameters import TINY, Rates
-from .section_specification import SectionError
 from .space.layers import Layup
 from .space.space import SectionSpace
 from .timoshenko import CLASSICAL, SHEAR, mass_centre, mass_matrix, shear_centre, tension_centre
-from .warping import WarpingSolver, motions_of_beam, pinned_dofs
+from .warping import WarpingSolver, motions_of_beam
 
 Operators = SectionSpace | TwistedStrains
 AT_ONCE = 16  # parameters whose equations are solved together
 FAINT = 1e-6  # of the loads of the solutions: loads below it may do relative work on rigid motions
-ENOUGH, ROUNDS = 1e-13, 8  # last correction of twisted sections, corrections
-NILPOTENT = 3  # corrections until the nilpotent part of the equations is gone
-ROUGH = 1e-7  # last correction beyond which they have not converged
 
 
 @dataclass(frozen=True)
@@ -189,46 +178,17 @@ def changed(state: Central, solver: "Solver", terms: Sequence[Terms]) -> list[Ch
 
 
 class HelicalSolver:
-    """Solves the equations of `central` of a twisted or curved beam by the factors of its waves.
-
-    Waves leave the nilpotent part of T, whose square is zero: two corrections, which need not
-    become smaller, are enough, but for round-off.
-    """
+    """Solves the equations of `central` of a twisted or curved beam, which it factorises again."""
 
     def __init__(self, state: Central) -> None:
-        strains = state.at
-        assert isinstance(strains, TwistedStrains)
-        kept = strains.space.pattern.without(pinned_dofs(strains.space, six=True))
-        self._simple = AlongAxis(strains, state.C, kept, np.inf)
-        self._waves = Waves(strains, state.C, kept, state.T, self._simple)
-        self._equations = Equations(strains, state.C, state.T)
+        assert isinstance(state.at, TwistedStrains)
+        self._equations = Equations(state.at, state.C)
 
     def solve(self, load: Array, resultants: Array) -> tuple[Array, Array]:
         """W (n_dof, p, 6) and S_e (6, p, 6) with these terms, of the same shapes."""
         W, S_e = np.zeros(load.shape), np.zeros(resultants.shape)
         for i in range(load.shape[1]):
-            W[:, i], S_e[:, i] = self._one(load[:, i], resultants[:, i])
-        return W, S_e
-
-    def _one(self, load: Array, resultants: Array) -> tuple[Array, Array]:
-        W, S_e = np.zeros(load.shape), np.zeros((6, 6))
-        left, last, size = (load, resultants), np.inf, 0.0
-        for done in range(ROUNDS):
-            step = self._waves.solve(*left)
-            now = float(np.linalg.norm(self._simple.packed(*step)))
-            if done >= NILPOTENT and not now < 0.5 * last:
-                break
-            W, S_e, last = W + step[0], S_e + step[1], now
-            size = float(np.linalg.norm(self._simple.packed(W, S_e)))
-            if now <= ENOUGH * size:
-                break
-            product = self._equations.product(W, S_e)
-            left = load - product[0], resultants - product[1]
-        if last > ROUGH * size:
-            raise SectionError(
-                "design: the derivatives of the warping do not converge; the product of curvature "
-                "and size of the section is too large"
-            )
+            W[:, i], S_e[:, i] = self._equations.solve(load[:, i], resultants[:, i])
         return W, S_e
 
 

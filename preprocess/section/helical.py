@@ -5,7 +5,6 @@ space/strains.py. DOLFINx evaluates G_k at the points, as the 6x9 matrix S of (w
 """
 
 import copy
-import inspect
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, partial
@@ -14,7 +13,6 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 from scipy.linalg import null_space
-from scipy.sparse.linalg import LinearOperator, gmres
 from ufl import SpatialCoordinate
 
 from ...solver.math.arrays import REGULAR, Array, IntArray, is_positive_definite
@@ -156,7 +154,7 @@ Residual = tuple[Array, Array]  # loads (n_dof, 6), resultants (6, 6); or warpin
 
 
 class AlongAxis:
-    """T = 0: one factorisation, good for small |k| h."""
+    """T = 0: one factorisation; for a slight |k| h."""
 
     def __init__(
         self, strains: TwistedStrains, C: Array, kept: Restriction, largest_growth: float
@@ -190,23 +188,17 @@ class AlongAxis:
         )
         return W - self._V @ S_e, S_e
 
-    def packed(self, W: Array, S_e: Array) -> Array:
-        """Both unknowns as one vector."""
-        parts = (W[self.free] * self._root).ravel(), (S_e * self._unit).ravel()
-        return np.concatenate(parts)
-
-    def unpacked(self, z: Array) -> Residual:
-        """The unknowns of a vector."""
-        W = np.zeros((self.n, 6))
-        W[self.free] = z[:-36].reshape(-1, 6) / self._root
-        return W, z[-36:].reshape(6, 6) / self._unit
+    def size(self, W: Array, S_e: Array) -> float:
+        """Norm of both unknowns, in units of the same energy."""
+        parts = np.linalg.norm(W[self.free] * self._root), np.linalg.norm(S_e * self._unit)
+        return float(np.hypot(*parts))
 
 
 class Waves:
     """T without its nilpotent part, whose eigenvalues are 0 and +-i |k|: two factorisations.
 
     Along the eigenvectors of i |k| the equations are complex and Hermitian; they are solved as real
-    ones of twice the size. The nilpotent part is found in a few iterations.
+    ones of twice the size.
     """
 
     def __init__(
@@ -264,10 +256,10 @@ def _eigenvectors(T: Array, kappa: float) -> tuple[Array, Array]:
     return basis, np.linalg.inv(basis)
 
 
-TOLERANCE = 1e-15  # of the residual of the preconditioned equations
-ENOUGH = 1e-7  # residual that round-off leaves at most; K is wrong by its square
-SLOW = 0.05  # reduction of the residual by a round that suggests the other solver
-STEPS, ROUNDS = 24, 6  # of GMRES in a round, rounds
+SLIGHT = 1e-12  # |k| h below which the digits of waves are lost
+ENOUGH, ROUNDS = 1e-13, 12  # last correction of a solution, relative; corrections
+NILPOTENT = 3  # corrections until the nilpotent part of T, whose square is 0, is gone
+ROUGH = 1e-7  # last correction beyond which they have not converged; K is wrong by its square
 
 
 @dataclass(frozen=True)
@@ -281,7 +273,6 @@ class CentralSolutions:
     residual: float  # of the equilibrium at all nodes, relative
     strains: TwistedStrains  # operators of the space of W and Q
     growth: float  # of a random load by the factorised matrix
-    by_waves: bool  # with the second solver
     solvability: float = 0.0  # the equations have a solution for every k
     round_off: Array | None = None  # (6, 6) of K, in its units, None if it is negligible
     doubtful: bool = False  # its condition would be refused without `allow`
@@ -306,8 +297,6 @@ def central_solutions(
     C: Array,
     largest_growth: float = 1.0 / REGULAR,
     is_enough: Callable[[float], bool] | None = None,
-    *,
-    by_waves: bool = False,
 ) -> CentralSolutions:
     """Solve for warping and beam strains of unit resultants.
 
@@ -317,7 +306,6 @@ def central_solutions(
     k : (3,) initial twist and curvature [rad/m], not all zero
     C : (c, 1 or q, 6, 6) stiffness of the points, section axes [Pa]
     is_enough : whether the growth of a random load by the factorised matrix allows to go on
-    by_waves : the first solver is known to be too slow
 
     Raises
     ------
@@ -325,37 +313,62 @@ def central_solutions(
     SectionError : a point beyond the centre of curvature, no convergence, K is not definite.
     FactorisationError : the section is not one part.
     """
-    strains, T = TwistedStrains(space, k), change_of_resultants(k)
-    kept = space.pattern.without(pinned_dofs(space, six=True))
-    simple = AlongAxis(strains, C, kept, largest_growth)
-    if is_enough is not None and not is_enough(simple.growth):
+    equations = Equations(TwistedStrains(space, k), C, largest_growth)
+    if is_enough is not None and not is_enough(equations.growth):
         raise IllConditioned
-    equations = Equations(strains, C, T)
-    unknowns, left = None, np.inf
-    if not by_waves:
-        unknowns, left = _iterated(equations, simple, simple, None)
-        by_waves = left > ENOUGH**2 and left > TOLERANCE * simple.growth
-    if by_waves:
-        # thin walls and large |k| h: few steps, but a factorisation of twice the size
-        waves = Waves(strains, C, kept, T, simple)
-        unknowns, left = _iterated(equations, simple, waves, unknowns)
-    if not left < ENOUGH:
-        raise SectionError(
-            f"initial_curvature: the iteration for the warping does not converge (residual "
-            f"{left:.1e}): the product of curvature and size of the section is too large, or cells "
-            "of a very thin wall are much narrower than others"
-        )
-    assert unknowns is not None
-    return _solution(equations, *unknowns, simple.growth, by_waves)
+    return _solution(equations, *equations.solve(np.zeros((space.n_dof, 6)), np.eye(6)))
 
 
-@dataclass(frozen=True)
 class Equations:
-    """Equilibrium of the section, and the resultants of the central solutions."""
+    """Equilibrium of the section, and the resultants of the central solutions.
 
-    strains: TwistedStrains
-    C: Array
-    T: Array
+    Attributes
+    ----------
+    T : (6, 6) `change_of_resultants`
+    growth : of a random load by the factorised matrix
+    """
+
+    def __init__(self, strains: TwistedStrains, C: Array, largest_growth: float = np.inf) -> None:
+        self.strains, self.C, self.T = strains, C, change_of_resultants(strains.k)
+        self._kept = strains.space.pattern.without(pinned_dofs(strains.space, six=True))
+        self._simple = AlongAxis(strains, C, self._kept, largest_growth)
+        self.growth = self._simple.growth
+
+    @cached_property
+    def _solver(self) -> "AlongAxis | Waves":
+        """Of the equations but for the nilpotent part of T, and for a slight T."""
+        space, strains = self.strains.space, self.strains
+        height = float(np.ptp(np.stack([space.x2, space.x3]), axis=1).max())
+        if np.linalg.norm(strains.k) * height < SLIGHT:
+            return self._simple
+        return Waves(strains, self.C, self._kept, self.T, self._simple)
+
+    def solve(self, load: Array, resultants: Array) -> Residual:
+        """Warping (n_dof, 6) and beam strains (6, 6) under loads and resultants of these shapes.
+
+        Each correction is that of the residual; the first ones need not become smaller. Raises
+        SectionError if they do not converge.
+        """
+        W, S_e = np.zeros_like(load), np.zeros_like(resultants)
+        left, last, size = (load, resultants), np.inf, 0.0
+        for done in range(ROUNDS):
+            dW, dS = self._solver.solve(*left)
+            now = self._simple.size(dW, dS)
+            if done >= NILPOTENT and not now < 0.5 * last:
+                break
+            W, S_e, last = W + dW, S_e + dS, now
+            size = self._simple.size(W, S_e)
+            if now <= ENOUGH * size:
+                break
+            product = self.product(W, S_e)
+            left = load - product[0], resultants - product[1]
+        if last > ROUGH * size:
+            raise SectionError(
+                f"initial_curvature: the iteration for the warping does not converge (last "
+                f"correction {last / size:.1e}): the product of curvature and size of the section "
+                "is too large, or cells of a very thin wall are much narrower than others"
+            )
+        return W, S_e
 
     def stresses(self, W: Array, S_e: Array) -> tuple[Array, Array, Array]:
         """Stresses and strains at the points, and Q."""
@@ -370,43 +383,7 @@ class Equations:
         return self.strains.load_in_section(stress) - P @ self.T, self.strains.Z.T @ P
 
 
-def _iterated(
-    equations: Equations, simple: AlongAxis, solver: Any, start: Residual | None
-) -> tuple[Residual, float]:
-    """GMRES with corrections by the residual: warping and beam strains, and what is left."""
-    n = equations.strains.space.n_dof
-    zero: Residual = np.zeros((n, 6)), np.zeros((6, 6))
-    right = simple.packed(*simple.solve(zero[0], np.eye(6)))
-    goal = float(np.linalg.norm(right))
-
-    def preconditioned(z: Array) -> Array:
-        return simple.packed(*solver.solve(*equations.product(*simple.unpacked(z))))
-
-    key = "rtol" if "rtol" in inspect.signature(gmres).parameters else "tol"
-    operator = LinearOperator((right.size, right.size), matvec=preconditioned, dtype=float)
-    W, S_e = start or zero
-    best, left = (W, S_e), np.inf
-    for _ in range(ROUNDS):
-        load, resultants = equations.product(W, S_e)
-        residual = simple.packed(*solver.solve(-load, np.eye(6) - resultants))
-        now = float(np.linalg.norm(residual)) / goal
-        if not now < 0.5 * left:
-            break
-        slow = solver is simple and now > max(SLOW * left, ENOUGH)
-        best, left = (W, S_e), now
-        if left < TOLERANCE or slow:
-            break
-        # the result is corrected by the residual afterwards, so that it may stop early
-        enough = {key: max(TOLERANCE / left, 1e-10)}
-        z, _ = gmres(operator, residual, restart=STEPS, maxiter=1, atol=0.0, **enough)
-        dW, dS = simple.unpacked(np.asarray(z))
-        W, S_e = W + dW, S_e + dS
-    return best, left
-
-
-def _solution(
-    equations: Equations, W: Array, S_e: Array, growth: float, by_waves: bool
-) -> CentralSolutions:
+def _solution(equations: Equations, W: Array, S_e: Array) -> CentralSolutions:
     strains = equations.strains
     stress, strain, Q = equations.stresses(W, S_e)
     P = strains.load_along_beam(stress)
@@ -418,4 +395,4 @@ def _solution(
         raise SectionError("the stiffness of the section is not positive definite")
     norm = np.abs(strains.load_in_section(np.abs(stress))).max()
     left = float(np.abs(balance).max() / norm)
-    return CentralSolutions(K, W, Q, S_e, left, strains, growth, by_waves)
+    return CentralSolutions(K, W, Q, S_e, left, strains, equations.growth)

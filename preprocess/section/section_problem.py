@@ -58,7 +58,6 @@ class SectionProblem:
         self.degree = degree
         self._thin: dict[bool, SectionSpace | None] = {}
         self._is_thin = False  # known after the first solution
-        self._by_waves_for: Array | None = None  # curvature that needs the second solver
         self._growth = 0.0  # of the last solution
         self._solvers: dict[int, WarpingSolver] = {}
 
@@ -130,12 +129,11 @@ class SectionProblem:
         return other._solve(C, k, doubtful)
 
     def like(self, coarser: "SectionProblem") -> "SectionProblem":
-        """This problem, with the unknowns and the solver that a coarser one of the section needed.
+        """This problem, with the unknowns that a coarser one of the section needed.
 
         The condition grows with the degree and with the number of cells.
         """
         self._is_thin = self._is_thin or coarser._is_thin
-        self._by_waves_for = coarser._by_waves_for
         return self
 
     def factorised(self, result: Result, C: Array) -> WarpingSolver | None:
@@ -199,9 +197,7 @@ class SectionProblem:
         """
         limit = np.inf if doubtful else LARGEST_GROWTH
         if k is not None:
-            known = self._by_waves_for is not None and np.array_equal(k, self._by_waves_for)
-            solutions = central_solutions(space, k, C, limit, is_enough, by_waves=known)
-            self._by_waves_for = k if solutions.by_waves else None
+            solutions = central_solutions(space, k, C, limit, is_enough)
             self._growth = solutions.growth
             return solutions
         solver = self.solver_of(space)
