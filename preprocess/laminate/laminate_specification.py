@@ -90,9 +90,9 @@ def laminate_from_dict(
         _lamina(ply, materials, f"{where}.plies[{row}]") for row, ply in enumerate(listed)
     )
     offset = _offset(table.get("offset", "mid"), plies, where)
-    laminate = Laminate(plies, offset)
     shear = table.get("shear_correction", "energy-1d")
     try:
+        laminate = Laminate(plies, offset)
         shear_factors(laminate, shear)
     except LaminateError as error:
         raise LaminateError(f"{where}.{error}") from error
@@ -109,8 +109,6 @@ def _lamina(ply: Any, materials: Mapping[str, Orthotropic], where: str) -> Lamin
             + did_you_mean(str(name), materials)
         )
     thickness = _number(ply.get("thickness"), f"{where}.thickness", "m")
-    if not thickness > 0.0:
-        raise LaminateError(f"{where}.thickness = {thickness:g} m: expected a number above 0")
     angle_deg = _number(ply.get("angle_deg", 0.0), f"{where}.angle_deg", "deg")
     return Lamina(materials[name], angle_deg, thickness)
 

@@ -232,40 +232,31 @@ def _followed(
         last, others, factors = dependent_rotations(
             FlatNodes(flat.nodes[own], flat.normals_G[own]), held
         )
-        keep = np.ones(n_dof)
-        keep[last] = 0.0
-        entries = (factors.ravel(), (np.repeat(last, 2), others.ravel()))
-        T = sp.csr_matrix(sp.diags(keep) + sp.csr_matrix(entries, shape=(n_dof, n_dof)))
+        T = _replaced(T, last[:, None], others, factors)
         dependent.append(last)
     # rigid links first: an average may be taken over nodes that one of them carries
-    for kind in SHELL_LINK_KINDS:
-        rows, columns, values = [], [], []
-        for number, link in enumerate(links):
-            if link.kind != kind:
-                continue
-            nodes = DOFS * link.group.nodes[:, None] + np.arange(DOFS)  # (k, 6)
-            reference = DOFS * (mesh.n_node + number) + np.arange(DOFS)
-            arms = mesh.points_G[link.group.nodes] - link.point_G
-            if kind == "rigid":
-                block = carried(arms)  # (k, 6, 6)
-                row = np.broadcast_to(nodes[:, :, None], block.shape)
-                column = np.broadcast_to(reference, block.shape)
-                dependent.append(nodes.ravel())
-            else:
-                block = averaged(arms, link.group.weights) if link.rows is None else link.rows
-                row = np.broadcast_to(reference[:, None, None], block.shape)
-                column = np.broadcast_to(nodes, block.shape)
-                dependent.append(reference)
-            rows.append(row.ravel())
-            columns.append(column.ravel())
-            values.append(block.ravel())
-        if rows:
-            keep = np.ones(n_dof)
-            keep[np.concatenate(rows)] = 0.0
-            entries = (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns)))
-            step = sp.diags(keep) + sp.csr_matrix(entries, shape=(n_dof, n_dof))
-            T = step @ T
-    return _Follow(sp.csr_matrix(T), np.concatenate(dependent))
+    for number in sorted(range(len(links)), key=lambda n: SHELL_LINK_KINDS.index(links[n].kind)):
+        link = links[number]
+        nodes = DOFS * link.group.nodes[:, None] + np.arange(DOFS)  # (k, 6)
+        reference = DOFS * (mesh.n_node + number) + np.arange(DOFS)
+        arms = mesh.points_G[link.group.nodes] - link.point_G
+        if link.kind == "rigid":
+            T = _replaced(T, nodes[:, :, None], reference, carried(arms))
+            dependent.append(nodes.ravel())
+        else:
+            block = averaged(arms, link.group.weights) if link.rows is None else link.rows
+            T = _replaced(T, reference[:, None, None], nodes, block)
+            dependent.append(reference)
+    return _Follow(T, np.concatenate(dependent))
+
+
+def _replaced(T: sp.csr_matrix, rows: IntArray, columns: IntArray, values: Array) -> sp.csr_matrix:
+    """T with some of its rows replaced by sums of others, by arrays of one shape (broadcast)."""
+    keep = np.ones(T.shape[0])
+    keep[rows] = 0.0
+    places = [np.broadcast_to(part, values.shape).ravel() for part in (rows, columns)]
+    sums = sp.csr_matrix((values.ravel(), places), shape=T.shape)
+    return sp.csr_matrix((sp.diags(keep) + sums) @ T)
 
 
 def _axis(direction: Array) -> str:
