@@ -270,8 +270,8 @@ def _with_neighbours(mesh: CellMesh, marked: NDArray[np.bool_]) -> NDArray[np.bo
         for ends in ((a, b), (a, middle), (middle, b))
     )
     marked = marked.copy()
-    while not (needed := marked[whole] | ~(marked[halves[0]] | marked[halves[1]])).all():
-        marked[whole[~needed]] = True
+    while not (settled := marked[whole] | ~(marked[halves[0]] | marked[halves[1]])).all():
+        marked[whole[~settled]] = True
     return marked
 
 
