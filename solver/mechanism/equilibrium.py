@@ -7,7 +7,6 @@ therefore ends in a minimum, not in an unstable equilibrium. Following loads hav
 them, the work along the step is used.
 """
 
-from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -39,6 +38,7 @@ if TYPE_CHECKING:
 
 _MAX_STEP = 0.3  # [m, rad]
 _MAX_ITERATIONS = 200
+_REST = Spin(np.array([0.0, 0.0, 1.0]), np.zeros(3), 0.0)
 _NUDGE = 0.05  # [m, rad, modes] step away from an unstable equilibrium
 _DIFFERENCE = 1e-6  # [m, rad, modes] increment for the stiffness by finite differences
 
@@ -86,63 +86,29 @@ def equilibrium(model: Model, start: Start, body_names: list[str]) -> Start:
     positions = closed(model, start.positions)
     largest = 0.0
     for _ in range(_MAX_ITERATIONS):
-        here = _Balance(model, positions)
-        largest = max(largest, float(np.max(np.abs(here.equations.f) / model.inertia_scale)))
-        K = here.stiffness(positions)
+        here = Turning(model, positions, _REST, ready=True)
+        g, free, unbalanced, _ = here.balanced()
+        push = free.Z @ unbalanced
+        largest = max(largest, float(np.max(np.abs(g) / model.inertia_scale)))
+        K = here.stiffness(g, free)
         stiffness, directions = np.linalg.eigh(0.5 * (K + K.T))
-        if np.max(np.abs(here.push), initial=0.0) <= BALANCED * max(largest, 1e-12):
+        if np.max(np.abs(push), initial=0.0) <= BALANCED * max(largest, 1e-12):
             if stiffness.size == 0 or stiffness[0] > -NEUTRAL:
                 return replace(start, positions=positions)
-            step = here.Z @ directions[:, 0]
+            step = free.Z @ directions[:, 0]
             positions = closed(model, moved(model, positions, _sized(step, _NUDGE)))
             continue
         if stiffness[0] > NEUTRAL:
-            step = here.Z @ np.linalg.solve(K, here.unbalanced)
+            step = free.Z @ np.linalg.solve(K, unbalanced)
         else:
-            along = directions.T @ here.unbalanced
-            step = here.Z @ (directions @ (along / np.maximum(np.abs(stiffness), NEUTRAL)))
-        positions = _downhill(model, here, positions, limited(model, step))
+            along = directions.T @ unbalanced
+            step = free.Z @ (directions @ (along / np.maximum(np.abs(stiffness), NEUTRAL)))
+        positions = _downhill(here, g, free, limited(model, step))
     raise InputError(
         f"solver.start: no static equilibrium within {_MAX_ITERATIONS} steps; "
-        f"{pushed(model, here.push, body_names)}. Expected loads that joints, springs and "
+        f"{pushed(model, push, body_names)}. Expected loads that joints, springs and "
         "elasticity can balance"
     )
-
-
-class _Balance:
-    """Unbalanced forces at rest in a position, and the free directions."""
-
-    def __init__(self, model: Model, positions: Array) -> None:
-        self.model = model
-        self.equations = _at_rest(model, positions)
-        free = free_motions(self.equations, model.inertia_scale)
-        self.Z = free.Z
-        # least squares in the metric of the inertia
-        self.multipliers = free.P.T @ self.equations.f
-        self.unbalanced = self.Z.T @ self.equations.f  # (n_free,)
-        self.push = self.Z @ self.unbalanced  # (n_vel,) as accelerations
-
-    def force(self, positions: Array) -> Array:
-        """Return f - Phi_q' lambda (n_vel,) in another position, at these multipliers."""
-        equations = _at_rest(self.model, positions)
-        return np.asarray(equations.f - equations.Phi_q.T @ self.multipliers)
-
-    def stiffness(self, positions: Array) -> Array:
-        """Return the stiffness over inertia (n_free, n_free) along Z [1/s2]."""
-        return _stiffness(self.model, positions, self.Z, self.force)
-
-
-def _stiffness(model: Model, positions: Array, Z: Array, force: Callable[[Array], Array]) -> Array:
-    """Return the stiffness over inertia (n_free, n_free) along Z [1/s2], by central differences.
-
-    force : (n_vel,) in a position, multipliers held
-    """
-    K = np.zeros((Z.shape[1], Z.shape[1]))
-    for k, z in enumerate(Z.T):
-        h = _DIFFERENCE / float(np.max(np.abs(z)))
-        ahead, behind = (force(moved(model, positions, step * z)) for step in (h, -h))
-        K[:, k] = Z.T @ (behind - ahead) / (2.0 * h)
-    return K
 
 
 def resting(model: Model, positions: Array, velocities: Array) -> Array:
@@ -162,13 +128,11 @@ def _at_rest(model: Model, positions: Array) -> Equations:
     return assemble(model, 0.0, started(model, 0.0, still))
 
 
-def _downhill(model: Model, here: _Balance, positions: Array, step: Array) -> Array:
+def _downhill(here: "Turning", g: Array, free: FreeMotions, step: Array) -> Array:
     """Return the position after a step, shortened until the unbalanced forces do work along it."""
     for _ in range(30):
-        there = closed(model, moved(model, positions, step))
-        before = here.equations.f @ step
-        after = here.force(there) @ step
-        if before + after >= 0.0:
+        there = closed(here.model, moved(here.model, here.positions, step))
+        if (g + here.force(there, free.P.T @ g)) @ step >= 0.0:
             break
         step = 0.5 * step
     return there
@@ -367,7 +331,7 @@ def after_turn(model: Model, y: Array, spin: Spin, t: float, angle: float) -> "T
 
 
 class Turning:
-    """A mechanism in given positions that turns at a spin.
+    """A mechanism in given positions that turns at a spin, or is at rest.
 
     Attributes
     ----------
@@ -400,17 +364,29 @@ class Turning:
         a = spin_accelerations(self.model, self.positions, self.spin)
         return equations, equations.f - equations.M @ a
 
+    def force(self, positions: Array, multipliers: Array) -> Array:
+        """Return the forces (n_vel,), see `evaluated`, in other positions with these multipliers.
+
+        Rates of drives are of no effect there, as multipliers are held.
+        """
+        near = Turning(self.model, positions, self.spin, self.t, ready=True)
+        equations, g = near.evaluated()
+        return np.asarray(g - equations.Phi_q.T @ multipliers)
+
     def stiffness(self, g: Array, free: FreeMotions) -> Array:
-        """Return the stiffness over inertia (n_free, n_free); g (n_vel,) as in `evaluated`."""
-        multipliers = free.P.T @ g
+        """Return the stiffness over inertia (n_free, n_free) [1/s2]; g (n_vel,) of `evaluated`.
 
-        def force(positions: Array) -> Array:
-            # Rates of drives are of no effect here: multipliers are held.
-            near = Turning(self.model, positions, self.spin, self.t, ready=True)
-            there, reached = near.evaluated()
-            return np.asarray(reached - there.Phi_q.T @ multipliers)
-
-        return _stiffness(self.model, self.positions, free.Z, force)
+        By central differences, at constant multipliers.
+        """
+        K, multipliers = np.zeros((free.Z.shape[1],) * 2), free.P.T @ g
+        for k, z in enumerate(free.Z.T):
+            h = _DIFFERENCE / float(np.max(np.abs(z)))
+            ahead, behind = (
+                self.force(moved(self.model, self.positions, step * z), multipliers)
+                for step in (h, -h)
+            )
+            K[:, k] = free.Z.T @ (behind - ahead) / (2.0 * h)
+        return K
 
     def turn(self, free: FreeMotions) -> Array | None:
         """Return the turn as a whole along the free motions (n_free,); None: a drive holds it."""

@@ -11,7 +11,7 @@ import numpy as np
 
 from ...math.arrays import Array
 from ...math.compiled import inlined, lean
-from ...math.rotations import along_parameters, rotation_matrix, skew
+from ...math.rotations import along_parameters, rotation_matrices, skew
 from .model import Model
 
 
@@ -146,11 +146,10 @@ def spin_velocities(model: Model, positions: Array, spin: Spin) -> Array:
     positions : positions (n_pos or more,)
     spin : rotation about a fixed axis
     """
-    out = np.zeros(model.n_vel)
-    for i in range(model.n_body):
-        a, j = int(model.pos_start[i]), int(model.vel_start[i])
-        out[j : j + 3] = np.cross(spin.W, positions[a : a + 3] - spin.point)
-        out[j + 3 : j + 6] = rotation_matrix(positions[a + 3 : a + 7]).T @ spin.W
+    out, frames = np.zeros(model.n_vel), positions[np.add.outer(model.pos_start, np.arange(7))]
+    moves = np.cross(spin.W, frames[:, :3] - spin.point)
+    turns = spin.W @ rotation_matrices(frames[:, 3:])
+    out[np.add.outer(model.vel_start, np.arange(6))] = np.hstack([moves, turns])
     return out
 
 
@@ -163,10 +162,9 @@ def spin_accelerations(model: Model, positions: Array, spin: Spin) -> Array:
     positions : positions (n_pos or more,)
     spin : rotation about a fixed axis
     """
-    out = np.zeros(model.n_vel)
-    for i in range(model.n_body):
-        a, j = int(model.pos_start[i]), int(model.vel_start[i])
-        out[j : j + 3] = np.cross(spin.W, np.cross(spin.W, positions[a : a + 3] - spin.point))
+    out, axes = np.zeros(model.n_vel), np.arange(3)
+    arms = positions[np.add.outer(model.pos_start, axes)] - spin.point
+    out[np.add.outer(model.vel_start, axes)] = np.cross(spin.W, np.cross(spin.W, arms))
     return out
 
 
