@@ -147,7 +147,7 @@ def spin_velocities(model: Model, positions: Array, spin: Spin) -> Array:
     spin : rotation about a fixed axis
     """
     out, frames = np.zeros(model.n_vel), positions[np.add.outer(model.pos_start, np.arange(7))]
-    moves = np.cross(spin.W, frames[:, :3] - spin.point)
+    moves = (frames[:, :3] - spin.point) @ skew(spin.W).T
     turns = spin.W @ rotation_matrices(frames[:, 3:])
     out[np.add.outer(model.vel_start, np.arange(6))] = np.hstack([moves, turns])
     return out
@@ -162,9 +162,9 @@ def spin_accelerations(model: Model, positions: Array, spin: Spin) -> Array:
     positions : positions (n_pos or more,)
     spin : rotation about a fixed axis
     """
-    out, axes = np.zeros(model.n_vel), np.arange(3)
+    out, axes, W = np.zeros(model.n_vel), np.arange(3), skew(spin.W)
     arms = positions[np.add.outer(model.pos_start, axes)] - spin.point
-    out[np.add.outer(model.vel_start, axes)] = np.cross(spin.W, np.cross(spin.W, arms))
+    out[np.add.outer(model.vel_start, axes)] = arms @ (W @ W).T
     return out
 
 
