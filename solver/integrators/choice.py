@@ -161,7 +161,7 @@ def make_integrator(
         options["project"] = projection(model)
     subject = model if kind.takes == "model" else right_hand_side(model)
     made: Integrator = kind(subject, 0.0, y0, solver.t_end, **options)
-    if fixed_step is None and (unseen := HiddenForces(model, made.points)):
+    if fixed_step is None and (unseen := HiddenForces(model, made.points, made.rates_fit)):
         made.hidden, made.chattering = unseen.stops, unseen.chattering
     if fixed_step is None and solver.max_step is None:  # else the user has chosen the steps
         made.unsearched = broken.unsearched

@@ -245,6 +245,7 @@ class _Order8(Explicit):
     meaning = "explicit Runge-Kutta of order 8"
     place = 3
     order = 8
+    rates_fit = True
     tableau = ORDER_8
     points = tuple(sorted({*ORDER_8.C.tolist(), 1.0}))
     limited_above = 2.0
@@ -262,6 +263,7 @@ class _Order5(Explicit):
     meaning = "explicit Runge-Kutta of order 5"
     place = 4
     order = 5
+    rates_fit = True
     tableau = ORDER_5
     points = tuple(sorted({*ORDER_5.C.tolist(), 1.0}))
     limited_above = 0.8

@@ -37,6 +37,7 @@ AHEAD, OFTEN = 20.0, 30
 FAR, NEAR = 0.1, 1e-3
 # Of a state that friction holds: bends in a row, most steps between them and error by one [tol].
 RESTS, SOON, LITTLE = 10, 30.0, 100.0
+SURE = 10.0  # errors of a position over a step [tol], above which its rate is no straight line
 
 
 class HiddenForces:
@@ -46,17 +47,19 @@ class HiddenForces:
     ----------
     model : a mechanism
     points : parts of a step, 0 and 1 among them, at which the method evaluates forces
+    rates_fit : coordinates change over a step by their rates, to the tolerance
     """
 
-    def __init__(self, model: Model, points: tuple[float, ...]) -> None:
-        self._model = model
+    def __init__(self, model: Model, points: tuple[float, ...], rates_fit: bool) -> None:
+        self._model, self._sure = model, SURE if rates_fit else np.inf
         at, cells = np.array(points), np.zeros((2, MOST_CELLS, 2))
         groups = (
             watched_expression(model, p, at, cells) for p in distinct(programs_read(model)).tolist()
         )
         self._watched = [each for each in groups if each is not None]
         first = model.n_pos + model.n_vel
-        read = any((each.slope > each.loads + 1).any() for each in self._watched)
+        rates = 2 * len(model.quantities.kind) + model.n_aux  # of states, behind all values
+        read = any((each.slope >= rates).any() for each in self._watched)
         self._states = slice(first, first + model.n_aux) if read else None
         self._breaking = [each for each in self._watched if each.breaking.any()]
         loads = {load for each in self._breaking for load in each.loads.tolist()}
@@ -87,13 +90,14 @@ class HiddenForces:
         over_bends : steps may go over bends
         """
         hidden, values = np.inf, self._values(t, y, rate)
+        sure = self._sure / float(norm.weight(y[0], y[-1])[: self._model.n_pos].min())
         with np.errstate(all="ignore"):
             for each in self._watched:
-                hidden = first_hidden(each, t, values, hidden)
+                hidden = first_hidden(each, t, values, hidden, sure)
             hidden = min(hidden, self._passes(t, y))
             stops = [hidden] if np.isfinite(hidden) else []
             for each in list(self._breaking):
-                i, part, jump, factor, reach = first_break(each, t, values, 0, 0.0)
+                i, part, jump, factor, reach = first_break(each, t, values, 0, 0.0, sure)
                 while i >= 0 and t[i] + part * (t[i + 1] - t[i]) < hidden:
                     h = float(t[i + 1] - t[i])
                     cost = h * self._gain.get(each.program, np.inf) * min(factor, reach)
@@ -105,7 +109,7 @@ class HiddenForces:
                             hidden, stops = more[0], more
                             break
                         part = 1.0
-                    i, part, jump, factor, reach = first_break(each, t, values, i, part)
+                    i, part, jump, factor, reach = first_break(each, t, values, i, part, sure)
         return stops
 
     def _passes(self, t: Array, y: Array) -> float:
@@ -173,7 +177,7 @@ class HiddenForces:
         low, high = begin, path.t_old + path.h
         for _ in range(CLOSER):
             t = np.linspace(low, high, PARTS + 1)
-            i, part, jump, *_ = first_break(each, t, self._values(t, path(t), rate), 0, 0.0)
+            i, part, jump, *_ = first_break(each, t, self._values(t, path(t), rate), 0, 0.0, np.inf)
             if i < 0:
                 return path.t_old + path.h, False
             low, high = float(t[i]), float(t[i + 1])
@@ -231,7 +235,7 @@ class HiddenForces:
         last, count = self._last.get(watched.program, (-np.inf, 0))
         if t[0] > last:  # not taken again
             values = self._values(t, y, rate)
-            behind = first_break(watched, t, values, 0, 0.0)[2] > 0.0
+            behind = first_break(watched, t, values, 0, 0.0, np.inf)[2] > 0.0
             self._last[watched.program] = float(t[0]), 0 if behind else count
             if not behind:
                 self._chatters(watched, float(t[0]))

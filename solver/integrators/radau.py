@@ -138,6 +138,7 @@ class Radau(ClosingLoop):
     meaning = "implicit Runge-Kutta of order 5, the fastest where modes are stiff"
     place = 2
     order = 5
+    rates_fit = True
     points = (0.0, *C.tolist())
     on_growth = (
         "Newton's iteration finds no answer for a step this long, or constraints contradict each "

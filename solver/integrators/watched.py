@@ -41,6 +41,7 @@ class Watched(NamedTuple):
     rises: bool  # may rise from one value to another within little of what it reads
     loads: IntArray  # (l,) quantities that it reads
     slope: IntArray  # (l,) place of the rate of a quantity among all values; -1: not known
+    mean: IntArray  # (l,) place of the coordinate of a rate; -1: none
     curved: IntArray  # (n,) 1: a part is not linear in them
     breaking: IntArray  # (n,) 1: a part has branches
     points: Array  # (s,) parts of a step at which forces are evaluated
@@ -73,8 +74,9 @@ def watched_expression(model: Model, p: int, points: Array, cells: Array) -> Wat
     curved = _curved(codes)
     if not loads.size or not curved.any():
         return None
-    cubic = (loads < 2 * n) & (loads % 2 == 0)
+    cubic = loads < 2 * n
     cubic[cubic] = ~np.isin(model.quantities.kind[loads[cubic] // 2], (SPIN, SLIP))
+    cubic, rates = cubic & (loads % 2 == 0), cubic & (loads % 2 == 1)
     # rates of states follow all quantities
     states, every = 2 * n + model.n_aux, 2 * n + model.n_aux + len(model.quantities.reaction_joint)
     of_states = np.where((loads >= 2 * n) & (loads < states), every + loads - 2 * n, -1)
@@ -88,6 +90,7 @@ def watched_expression(model: Model, p: int, points: Array, cells: Array) -> Wat
         bool((codes == op.TANH).any()),
         loads,
         np.where(cubic, loads + 1, of_states),
+        np.where(rates, loads - 1, -1),
         curved.astype(np.int64),
         np.isin(codes[~np.isin(codes, list(op.PUSHES))], list(BREAKING)).astype(np.int64),
         points,
@@ -125,18 +128,20 @@ def _curved(codes: IntArray) -> NDArray[np.bool_]:
 
 
 @lean
-def first_hidden(watched: Watched, t: Array, values: Array, before: float) -> float:
+def first_hidden(watched: Watched, t: Array, values: Array, before: float, sure: float) -> float:
     """Return the earliest instant [s] at which an expression was not seen, or `before`.
 
     Parameters
     ----------
     t, values : (k + 1,), (k + 1, m) ends of k steps and all quantities there
     before : instant [s] from which on nothing is looked for
+    sure : change of a coordinate over a step above which its rate is no straight line
     """
     for i in range(t.shape[0] - 1):
         if t[i] >= before:
             break
         _set_path(watched, t, values, i)
+        _curve_rates(watched, t, values, i, sure)
         _set_box(watched, 0.0, 1.0)
         if _is_quiet(watched):
             continue
@@ -151,13 +156,13 @@ def first_hidden(watched: Watched, t: Array, values: Array, before: float) -> fl
 
 @lean
 def first_break(
-    watched: Watched, t: Array, values: Array, first: int, begin: float
+    watched: Watched, t: Array, values: Array, first: int, begin: float, sure: float
 ) -> tuple[int, float, float, float, float]:
     """Return where an expression next gets onto another branch, behind part `begin` of a step.
 
     Parameters
     ----------
-    t, values : as of `first_hidden`
+    t, values, sure : as of `first_hidden`
     first : the step
 
     Returns
@@ -168,6 +173,7 @@ def first_break(
     last = watched.bounds.shape[0] - 1  # the whole expression
     for i in range(first, t.shape[0] - 1):
         _set_path(watched, t, values, i)
+        _curve_rates(watched, t, values, i, sure)
         if i > first:
             begin = 0.0
         _set_box(watched, begin, 1.0)
@@ -263,7 +269,7 @@ def _set_path(watched: Watched, t: Array, values: Array, i: int) -> None:
     """Set the quantities along step i.
 
     A coordinate or a state is the cubic by its values and rates, whose Bezier points bound it;
-    other quantities are taken as linear.
+    rates of coordinates are parabolas (`_curve_rates`), other quantities are taken as linear.
     """
     h, path = t[i + 1] - t[i], watched.path
     path[0, 0], path[0, 1] = t[i], h
@@ -276,6 +282,25 @@ def _set_path(watched: Watched, t: Array, values: Array, i: int) -> None:
             begin, end = h * values[i, r], h * values[i + 1, r]
         path[1 + j, 0], path[1 + j, 1] = first, begin
         path[1 + j, 2], path[1 + j, 3] = 3.0 * rise - 2.0 * begin - end, begin + end - 2.0 * rise
+
+
+@inlined
+def _curve_rates(watched: Watched, t: Array, values: Array, i: int, sure: float) -> None:
+    """Take rates as the parabolas by their ends and their means, from what coordinates change by.
+
+    The mean over a short step has the error of the coordinate over its length. Where the change is
+    that of a straight line but for `sure`, the line stays: a peak by rounding would be divided
+    without end.
+    """
+    h, path = t[i + 1] - t[i], watched.path
+    for j in range(watched.loads.shape[0]):
+        k = watched.loads[j]
+        if watched.mean[j] >= 0:
+            rise = values[i + 1, watched.mean[j]] - values[i, watched.mean[j]]
+            gap = rise - 0.5 * h * (values[i, k] + values[i + 1, k])
+            if abs(gap) > sure:
+                path[1 + j, 1] += 6.0 * gap / h
+                path[1 + j, 2] -= 6.0 * gap / h
 
 
 @inlined

@@ -162,8 +162,8 @@ def _compile_others() -> None:
         model._replace(quantities=of_one), 0, np.zeros(1), np.zeros((2, 1, 2))
     )
     if watched is not None:
-        first_hidden(watched, np.zeros(1), np.zeros((1, 1)), 0.0)
-        first_break(watched, np.zeros(1), np.zeros((1, 1)), 0, 0.0)
+        first_hidden(watched, np.zeros(1), np.zeros((1, 1)), 0.0, 0.0)
+        first_break(watched, np.zeros(1), np.zeros((1, 1)), 0, 0.0, 0.0)
         bend(watched, np.zeros(5), np.zeros((5, 1)))
     parts(of_one.programs, 0, np.zeros(1), np.zeros(1), of_one.stack)
 

@@ -4,15 +4,16 @@ A body of mass 1 and speed 1 passes a force F(x) and leaves it with v^2 = 1 + 2 
 of F over x. A step that is longer than the force is wide does not see it.
 """
 
-from math import exp, pi, sin, sqrt
+from math import asin, cos, exp, pi, sin, sqrt
 
 import numpy as np
 import pytest
-from samples.coordinate_samples import carriage, force, run, wheel
+from samples.coordinate_samples import carriage, force, prepared, run, wheel
 
 from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.integrators.choice import make_integrator
 from plymotion.solver.integrators.generic.base import Integrator
+from plymotion.solver.integrators.hidden import HiddenForces
 from plymotion.solver.run.preparation import prepare
 
 INTEGRATORS = ("radau", "rk8", "gear", "generalized-alpha")
@@ -126,3 +127,30 @@ def test_a_body_leaves_a_stiff_brake(tmp_path, stiff):
     text = carriage(by(f"cos(t) - {stiff} * max(0, v - 1)"), speed=0.5)
     _, found, _ = run(tmp_path, text, 6.0, 0.5, solver("gear", "rtol = 1e-4"))
     assert found["v"][-1] == pytest.approx(sin(6.0), abs=1e-5)  # held from sin(t) = 0.5 to pi / 2
+
+
+@pytest.mark.parametrize("integrator", ["radau", "rk8", "rk5"])
+def test_a_force_at_the_peak_of_a_velocity(tmp_path, integrator):
+    """A mass on a spring, braked above a speed that it would hardly pass: held there, then free."""
+    edge, w, t_end = 0.999, 5.0, 0.45
+    spring = force("spring", "coordinate_force", joint="rail", expression=f"-{w**2} * (x - 0.2)")
+    brake = by(f"-1e4 * max(0, v - {edge})")
+    _, found, summary = run(tmp_path, carriage(spring, brake), t_end, t_end, solver(integrator))
+    held = asin(edge) / w
+    middle = held + 0.2 * cos(w * held) / edge  # where the spring pushes no longer
+    expected = edge * cos(w * (t_end - middle))
+    assert found["v"][-1] == pytest.approx(expected, abs=3 * RTOL)  # free: 76 RTOL more
+    assert not summary["warnings"]
+
+
+@pytest.mark.parametrize("states", [1, 2])
+def test_rates_of_states_lie_behind_all_values(tmp_path, states):
+    """Those of a single state were read from memory behind the array: runs ended at random."""
+    text = "".join(f"[states.s{k}]\nrate = \"-state('s{k}')\"\n" for k in range(states))
+    model, y = prepared(tmp_path, carriage(by("max(0, state('s0') - 1)"), text))
+    look = HiddenForces(model, (0.0, 1.0), True)
+    (watched,) = look._watched
+    rates = np.arange(y.size, dtype=float)
+    values = look._values(np.zeros(2), np.stack([y, y]), lambda t, y: rates)
+    first = model.n_pos + model.n_vel
+    assert (values[:, watched.slope] == first).all()

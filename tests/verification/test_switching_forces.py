@@ -124,7 +124,7 @@ def test_jumps_are_jumps_in_both_directions(tmp_path, law, ways):
     y[:, 0], y[:, model.n_pos] = ways, ways[1] - ways[0]
     t = np.array([3.0, 4.0])
     watched = watched_expression(model, 0, np.array([0.0, 1.0]), np.zeros((2, 1, 2)))
-    i, part, jump, *_ = first_break(watched, t, quantities(model, t, y), 0, 0.0)
+    i, part, jump, *_ = first_break(watched, t, quantities(model, t, y), 0, 0.0, np.inf)
     assert i == 0
     assert part == pytest.approx(0.5, abs=1e-12)
     assert jump == pytest.approx(3.0, rel=1e-6)
