@@ -87,10 +87,9 @@ class Parameter:
         own = [t for t in self.targets if t.keys[:n] == tuple(keys)]
         return [t.table | {"of": list(t.keys[n:])} for t in own]
 
-    def quotient(self, value: Callable[[float], Array], step: float = 1.0) -> Any:
+    def quotient(self, value: Callable[[float], Array]) -> Any:
         """Derivative of an array as a function of the distance that the parameter is moved."""
-        h = self.step * step
-        return difference([value(place * h) for place in PLACES], h)
+        return difference([value(place * self.step) for place in PLACES], self.step)
 
     def refused(self, why: str) -> Exception:
         """The error that it has no derivative."""

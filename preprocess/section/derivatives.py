@@ -20,7 +20,7 @@ import numpy as np
 
 from ...solver.math.arrays import Array, IntArray
 from ...solver.package.common.materials import bond
-from .helical import CentralSolutions, Equations, TwistedStrains, change_of_resultants
+from .helical import CentralSolutions, Equations, TwistedStrains, change_of_resultants, flat
 from .recovery import Result, middles, nodal_displacements, unit_displacements
 from .section_parameters import TINY, Rates
 from .space.layers import Layup
@@ -119,10 +119,10 @@ class PrismaticSolver:
             return columns.reshape(len(columns), -1, len(forces)) @ T
 
         stress = state.C @ (
-            space.strain_in_section(_flat(W[..., forces]))
-            + space.strain_along_beam(state.Z @ _flat(S_e[..., forces]))
+            space.strain_in_section(flat(W[..., forces]))
+            + space.strain_along_beam(state.Z @ flat(S_e[..., forces]))
         )
-        change = state.C @ space.strain_along_beam(_flat(changing(W[..., forces])))
+        change = state.C @ space.strain_along_beam(flat(changing(W[..., forces])))
         left = space.load_in_section(change).reshape(load[shear].shape)
         along = state.Z.T @ space.load_along_beam(change)
         W[shear], S_e[shear] = self._constant(
@@ -133,24 +133,20 @@ class PrismaticSolver:
 
     def _constant(self, loads: Array, resultants: Array) -> tuple[Array, Array]:
         """Solutions that do not change along the beam."""
-        load = _flat(loads)
+        load = flat(loads)
         size = float(np.linalg.norm(load)) + FAINT * self._state.size
         W = np.zeros(load.shape)
         there = np.flatnonzero(load.any(axis=0))
         if len(there):
             W[:, there] = self._solver.solve(load[:, there], size, self._product)
         S_e = np.zeros((6, load.shape[1]))
-        S_e[CLASSICAL] = np.linalg.solve(self._A, _flat(resultants)[CLASSICAL] + self._V0.T @ load)
+        S_e[CLASSICAL] = np.linalg.solve(self._A, flat(resultants)[CLASSICAL] + self._V0.T @ load)
         W += self._V0 @ S_e[CLASSICAL]
         return W.reshape(loads.shape), S_e.reshape(resultants.shape)
 
     def _product(self, W: Array) -> Array:
         space = self._space
         return space.load_in_section(self._state.C @ space.strain_in_section(W))
-
-
-def _flat(columns: Array) -> Array:
-    return columns.reshape(len(columns), -1)
 
 
 @dataclass(frozen=True)
@@ -166,9 +162,9 @@ def changed(state: Central, solver: "Solver", terms: Sequence[Terms]) -> list[Ch
     """Return what rates of the terms bring about, for each of them."""
     load = -np.stack([one.load for one in terms], axis=1)
     W, S_e = solver.solve(load, -np.stack([one.resultants for one in terms], axis=1))
-    Q = W @ state.T + (state.Z @ _flat(S_e)).reshape(W.shape)
+    Q = W @ state.T + (state.Z @ flat(S_e)).reshape(W.shape)
     # the stresses are in equilibrium: their work on new strains is that of P
-    N = (state.P.T @ _flat(W)).reshape(S_e.shape)
+    N = (state.P.T @ flat(W)).reshape(S_e.shape)
     changes = []
     for i, one in enumerate(terms):
         S = one.work + 2.0 * (state.T.T @ N[:, i] + N[:, i] @ state.T + S_e[:, i])
@@ -177,22 +173,7 @@ def changed(state: Central, solver: "Solver", terms: Sequence[Terms]) -> list[Ch
     return changes
 
 
-class HelicalSolver:
-    """Solves the equations of `central` of a twisted or curved beam, which it factorises again."""
-
-    def __init__(self, state: Central) -> None:
-        assert isinstance(state.at, TwistedStrains)
-        self._equations = Equations(state.at, state.C)
-
-    def solve(self, load: Array, resultants: Array) -> tuple[Array, Array]:
-        """W (n_dof, p, 6) and S_e (6, p, 6) with these terms, of the same shapes."""
-        W, S_e = np.zeros(load.shape), np.zeros(resultants.shape)
-        for i in range(load.shape[1]):
-            W[:, i], S_e[:, i] = self._equations.solve(load[:, i], resultants[:, i])
-        return W, S_e
-
-
-Solver = PrismaticSolver | HelicalSolver
+Solver = PrismaticSolver | Equations
 
 
 class Recovered:
@@ -236,9 +217,12 @@ def derivatives(
     shown : also of warping and mesh, which a body has no use for
     """
     state = central(result, asked[0].lay.stiffness)
-    solver = (
-        HelicalSolver(state) if factorised is None else PrismaticSolver(result, state, factorised)
-    )
+    solver: Solver
+    if factorised is None:
+        assert isinstance(state.at, TwistedStrains)
+        solver = Equations(state.at, state.C)
+    else:
+        solver = PrismaticSolver(result, state, factorised)
     at, by_parameter = Recovered(space, lay, strain, state), dict[str, dict[str, Array]]()
     for first in range(0, len(asked), AT_ONCE):
         some = [_Moved(state, rate) for rate in asked[first : first + AT_ONCE]]

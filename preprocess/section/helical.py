@@ -150,7 +150,13 @@ def _by_nodes(strain: Array, stress: Array) -> Array:
     return whole.reshape(s, 3, k, 3, k).transpose(0, 2, 4, 1, 3).reshape(s, k, k, 9)
 
 
-Residual = tuple[Array, Array]  # loads (n_dof, 6), resultants (6, 6); or warping and beam strains
+# Loads (n_dof, ..., 6) and resultants (6, ..., 6), or warping and beam strains.
+Residual = tuple[Array, Array]
+
+
+def flat(columns: Array) -> Array:
+    """Columns (n, ...) as a matrix (n, m)."""
+    return columns.reshape(len(columns), -1)
 
 
 class AlongAxis:
@@ -181,17 +187,15 @@ class AlongAxis:
 
     def solve(self, load: Array, resultants: Array) -> Residual:
         """Warping and beam strains, with any number of columns."""
-        W = np.zeros_like(load)
-        W[self.free] = self._factor.solve(load[self.free])
-        S_e: Array = np.array(
-            np.linalg.solve(self._schur, resultants - self.HZ.T @ W), dtype=np.float64
-        )
-        return W - self._V @ S_e, S_e
+        W = np.zeros((self.n, load.size // self.n))
+        W[self.free] = self._factor.solve(flat(load)[self.free])
+        S_e = np.linalg.solve(self._schur, flat(resultants) - self.HZ.T @ W)
+        return (W - self._V @ S_e).reshape(load.shape), S_e.reshape(resultants.shape)
 
     def size(self, W: Array, S_e: Array) -> float:
         """Norm of both unknowns, in units of the same energy."""
-        parts = np.linalg.norm(W[self.free] * self._root), np.linalg.norm(S_e * self._unit)
-        return float(np.hypot(*parts))
+        warping, strains = flat(W)[self.free] * self._root, flat(S_e) * self._unit
+        return float(np.hypot(np.linalg.norm(warping), np.linalg.norm(strains)))
 
 
 class Waves:
@@ -225,14 +229,15 @@ class Waves:
         return out
 
     def solve(self, load: Array, resultants: Array) -> Residual:
-        """Warping (n_dof, 6) and beam strains (6, 6)."""
+        """Warping and beam strains, of the shapes of loads and resultants."""
         loads, forces = load @ self._basis, resultants @ self._basis
-        W_0, S_0 = self._simple.solve(loads[:, :2].real, forces[:, :2].real)
-        W_1 = self._back(loads[:, 2:4])
-        S_1 = np.linalg.solve(self._schur, forces[:, 2:4] - self._B.conj().T @ W_1)
-        W_1 = W_1 - self._V @ S_1
-        W = np.concatenate([W_0, W_1, W_1.conj()], axis=1) @ self._inverse
-        S_e = np.concatenate([S_0, S_1, S_1.conj()], axis=1) @ self._inverse
+        W_0, S_0 = self._simple.solve(loads[..., :2].real, forces[..., :2].real)
+        W_1 = self._back(flat(loads[..., 2:4]))
+        S_1 = np.linalg.solve(self._schur, flat(forces[..., 2:4]) - self._B.conj().T @ W_1)
+        W_1 = (W_1 - self._V @ S_1).reshape(W_0.shape)
+        S_1 = S_1.reshape(S_0.shape)
+        W = np.concatenate([W_0, W_1, W_1.conj()], axis=-1) @ self._inverse
+        S_e = np.concatenate([S_0, S_1, S_1.conj()], axis=-1) @ self._inverse
         return W.real, S_e.real
 
 
@@ -344,7 +349,7 @@ class Equations:
         return Waves(strains, self.C, self._kept, self.T, self._simple)
 
     def solve(self, load: Array, resultants: Array) -> Residual:
-        """Warping (n_dof, 6) and beam strains (6, 6) under loads and resultants of these shapes.
+        """Warping and beam strains, of the shapes of loads (n_dof, ..., 6) and resultants.
 
         Each correction is that of the residual; the first ones need not become smaller. Raises
         SectionError if they do not converge.
@@ -372,15 +377,16 @@ class Equations:
 
     def stresses(self, W: Array, S_e: Array) -> tuple[Array, Array, Array]:
         """Stresses and strains at the points, and Q."""
-        Q = W @ self.T + self.strains.Z @ S_e
-        strain = self.strains.strain_in_section(W) + self.strains.strain_along_beam(Q)
+        Q = W @ self.T + (self.strains.Z @ flat(S_e)).reshape(W.shape)
+        strain = self.strains.strain_in_section(flat(W)) + self.strains.strain_along_beam(flat(Q))
         return self.C @ strain, strain, Q
 
     def product(self, W: Array, S_e: Array) -> Residual:
-        """Load that warping and beam strains balance, (n_dof, 6), and their resultants (6, 6)."""
+        """Load that warping and beam strains balance, and their resultants, of the same shapes."""
         stress = self.stresses(W, S_e)[0]
         P = self.strains.load_along_beam(stress)
-        return self.strains.load_in_section(stress) - P @ self.T, self.strains.Z.T @ P
+        load = self.strains.load_in_section(stress).reshape(W.shape) - P.reshape(W.shape) @ self.T
+        return load, (self.strains.Z.T @ P).reshape(S_e.shape)
 
 
 def _solution(equations: Equations, W: Array, S_e: Array) -> CentralSolutions:
