@@ -216,7 +216,7 @@ def analyse(
             result.space,
             lay.stiffness,
             result.K,
-            prismatic=curvature_of(spec) is None,
+            k=curvature_of(spec),
             own=degree_of(spec) is None,
         )
         warnings += second.warnings
