@@ -189,7 +189,8 @@ class AlongAxis:
         """Warping and beam strains, with any number of columns."""
         W = np.zeros((self.n, load.size // self.n))
         W[self.free] = self._factor.solve(flat(load)[self.free])
-        S_e = np.linalg.solve(self._schur, flat(resultants) - self.HZ.T @ W)
+        right = flat(resultants) - self.HZ.T @ W
+        S_e: Array = np.asarray(np.linalg.solve(self._schur, right), dtype=np.float64)
         return (W - self._V @ S_e).reshape(load.shape), S_e.reshape(resultants.shape)
 
     def size(self, W: Array, S_e: Array) -> float:

@@ -70,7 +70,8 @@ def verified(space: SectionSpace, C: Array, K: Array, *, k: Array | None, own: b
         if there:
             return Verified(None, f"not done for {what}", [])
     places, bent = np.column_stack([space.x2, space.x3]), np.zeros(3) if k is None else k
-    other = central_stiffness(*matrices(space, C, bent), places, bent)
+    E, H, L = matrices(space, C, bent)
+    other = central_stiffness(E, H, L, places, bent)
     size = np.sqrt(np.diag(K))
     difference = float(np.abs((other - K) / np.outer(size, size)).max())
     warnings = []
