@@ -22,7 +22,7 @@ from ....dynamics.elements.forces.contract import (
     Load,
 )
 from ....dynamics.elements.forces.table import FORCES
-from ....dynamics.elements.joints.contract import FREEDOMS, Angle, DrivenBy, Joint
+from ....dynamics.elements.joints.contract import FREEDOMS, Angle, Coordinate, DrivenBy, Joint
 from ....dynamics.elements.joints.table import JOINTS
 from ....math.catalogue import (
     Number,
@@ -134,15 +134,18 @@ def lengths_along(force: Any, joints: Mapping[str, Any]) -> list[str]:
 def _is_along_length(force: Mapping[str, Any], joints: Mapping[str, Any]) -> bool:
     if force.get("between") is not None:
         return True
-    joint = joints.get(str(force.get("joint")))
+    return any(
+        not isinstance(each, Angle) and (force.get("coordinate") or each.name) == each.name
+        for each in coordinates_of(joints.get(str(force.get("joint"))))
+    )
+
+
+def coordinates_of(joint: Any) -> tuple[Coordinate, ...]:
+    """Return the coordinates of a joint in the form of a case file; none if there is no such."""
     with suppress(ValueError):  # which is said of the joint
         joint = by_freedoms(joint)
     known = JOINTS.get(str(joint.get("kind"))) if isinstance(joint, dict) else None
-    free = known.coordinates if known else ()
-    return any(
-        not isinstance(each, Angle) and (force.get("coordinate") or each.name) == each.name
-        for each in free
-    )
+    return known.coordinates if known else ()
 
 
 JOINT_TABLES = tuple(table_of(JointTable, "joints", joint) for joint in JOINTS.values())

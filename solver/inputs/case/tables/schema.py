@@ -2,7 +2,6 @@
 
 import itertools
 from collections.abc import Mapping
-from contextlib import suppress
 from copy import copy
 from math import isfinite
 from pathlib import Path
@@ -12,7 +11,6 @@ import numpy as np
 from pydantic import ConfigDict, Field, ValidationError, ValidationInfo, model_validator
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
-from ....dynamics.elements.joints.table import JOINTS
 from ....errors import InputError
 from ....math.arrays import Array
 from ....math.expressions.operations import TIME
@@ -38,7 +36,7 @@ from .kinds import (
     CaseCoupling,
     CaseForce,
     CaseJoint,
-    by_freedoms,
+    coordinates_of,
     lengths_along,
 )
 from .laws import FOLDER, RESOLVED, StateEquation, TablePoints
@@ -283,11 +281,7 @@ class Mechanism(Table):
         completed = dict(signals)
         for name, signal in signals.items():
             if isinstance(signal, dict) and signal.get("kind") == "joint":
-                joint = joints.get(str(signal.get("joint")))
-                with suppress(ValueError):  # which is said of the joint
-                    joint = by_freedoms(joint)
-                kind = joint.get("kind") if isinstance(joint, dict) else None
-                free = JOINTS[kind].coordinates if isinstance(kind, str) and kind in JOINTS else ()
+                free = coordinates_of(joints.get(str(signal.get("joint"))))
                 if len(free) == 1 and signal.get("coordinate") is None:
                     completed[name] = {**signal, "coordinate": free[0].name}
         return {**data, "signals": completed}
