@@ -15,7 +15,6 @@ from ..math.rows import ComputedRows, LongRows
 from ..package.common.container import (
     MAX_ATTRIBUTE,
     get_text,
-    kind_of_file,
     new_file,
     open_file,
     set_text,
@@ -320,18 +319,10 @@ def read_result(path: str | Path) -> RunResult:
     """
     path = Path(path)
     with open_file(path, ResultError) as file:
-        form = get_text(file, "format")
-        if form != FORMAT:
-            what = repr(form) if form else kind_of_file(file)
-            raise ResultError(f"{path}: attribute format: expected {FORMAT!r}, this is {what}")
-        major, minor = version_of(path, file, ResultError)
-        if major > TABLES_VERSION[0]:
-            raise ResultError(
-                f"{path}: written by a newer Plymotion: format {major}.{minor}, "
-                f"this reader knows {FORMAT_VERSION[0]}.x and {TABLES_VERSION[0]}.x"
-            )
+        majors = [FORMAT_VERSION[0], TABLES_VERSION[0]]
+        version = version_of(path, file, FORMAT, majors, ResultError)
         result = _load(path, file)
-        if (major, minor) > (1, 0):  # 1.0 had none
+        if version > (1, 0):  # 1.0 had none
             check_file_checksum(path, file, ResultError)
         try:
             check_result(result)

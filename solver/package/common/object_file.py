@@ -123,17 +123,7 @@ def identity_notes(path: Path, file: h5py.File, known: FileFormat) -> list[Remar
     file : open HDF5 file
     known : format that is expected
     """
-    form = get_text(file, "format")
-    if form != known.format:
-        what = f"{form!r}" if form else kind_of_file(file)
-        raise PackageError(f"{path}: attribute format: expected {known.format!r}, this is {what}")
-    major, minor = version_of(path, file, PackageError)
-    if major != known.version[0]:
-        age = "a newer" if major > known.version[0] else "an older"
-        raise PackageError(
-            f"{path}: written by {age} Plymotion: format {major}.{minor}, "
-            f"this reader knows {known.version[0]}.x"
-        )
+    major, minor = version_of(path, file, known.format, [known.version[0]], PackageError)
     if not isinstance(file.get(known.group), h5py.Group):
         raise PackageError(f"{path}: /{known.group}: missing group")
     if minor <= known.version[1]:
@@ -143,19 +133,32 @@ def identity_notes(path: Path, file: h5py.File, known: FileFormat) -> list[Remar
     return [Remark("warning", "format_version", text)]
 
 
-def version_of(path: Path, file: h5py.File, error: type[Exception]) -> tuple[int, int]:
-    """Return major and minor version of a file's format. Raises `error` for other values.
+def version_of(
+    path: Path, file: h5py.File, form: str, majors: list[int], error: type[Exception]
+) -> tuple[int, int]:
+    """Return major and minor version of a file. Raises `error` unless its format is a known one.
 
     Parameters
     ----------
     path : path of the file, for messages
     file : open HDF5 file
+    form : name of the format
+    majors : known major versions of it
     error : class of the error
     """
+    if (found := get_text(file, "format")) != form:
+        what = repr(found) if found else kind_of_file(file)
+        raise error(f"{path}: attribute format: expected {form!r}, this is {what}")
     try:
         major, minor = (int(v) for v in np.ravel(file.attrs["format_version"]))
     except (KeyError, ValueError, TypeError, OverflowError):
         raise error(f"{path}: attribute format_version: expected [major, minor]") from None
+    if major not in majors:
+        age = "a newer" if major > max(majors) else "an older"
+        raise error(
+            f"{path}: written by {age} Plymotion: format {major}.{minor}, "
+            f"this reader knows {' and '.join(f'{each}.x' for each in majors)}"
+        )
     return major, minor
 
 

@@ -221,15 +221,7 @@ def believed_rows(path: Path) -> tuple[dict[str, Row], int]:
 def _read(path: Path, *, whole: bool) -> tuple[SweepResult, list[str]]:
     """Return a sweep and the digests of its rows; `whole`: of an unaltered file only."""
     with open_file(path, ResultError) as file:
-        form = get_text(file, "format")
-        if form != FORMAT:
-            raise ResultError(f"{path}: attribute format: expected {FORMAT!r}, this is {form!r}")
-        major, minor = version_of(path, file, ResultError)
-        if major > FORMAT_VERSION[0]:
-            raise ResultError(
-                f"{path}: written by a newer Plymotion: format {major}.{minor}, "
-                f"this reader knows {FORMAT_VERSION[0]}.x"
-            )
+        major, minor = version_of(path, file, FORMAT, [FORMAT_VERSION[0]], ResultError)
         least = 1 if whole else FORMAT_VERSION[1]  # 1.0 has no checksums; rows have what they had
         if minor < least:
             raise ResultError(f"{path}: format {major}.{minor}: expected {major}.{least} or later")
