@@ -23,6 +23,7 @@ SUFFIX = ".xml"
 FEWEST, MOST, UNEVEN = 6, 40, 24  # cuts: least, most between nodes of a beam; of other meshes
 SAME = 1e-6  # of the length: nodes of one cross-section
 MATCHED, ENOUGH = 3, 0.01  # frequencies, and their largest relative error
+PAIRED = 1e-3  # relative difference of the frequencies of a pair
 PASSES, LARGEST = 20, 0.5  # of the fit; change of a logarithm of a frequency in one
 SOFT = 1e-3  # of the median stiffness, for cuts that no mode bends
 STIFF = 1e-4  # of the largest angles: there is no hinge about which modes turn a cut by less
@@ -51,12 +52,13 @@ def write(package: ModalPackage, out: Path, source: Path) -> str:
         frequencies that no stiffnesses of hinges have.
     """
     chain = chain_of(package)
-    aim = np.sqrt(eigvalsh(package.stiffness, package.mass))[:MATCHED]
+    aim = np.sqrt(eigvalsh(package.stiffness, package.mass))
+    aim = aim[aim < aim[:MATCHED][-1] * (1.0 + PAIRED)]
     k, axes, M = stiffnesses(package, chain, aim)
     held = k.ravel() > 0.0
     w = np.sqrt(eigvalsh(np.diag(k.ravel()[held]), M[np.ix_(held, held)]))
     error = float(np.abs(w[: aim.size] / aim - 1.0).max())
-    hertz, theirs = (", ".join(f"{f / (2.0 * np.pi):.5g}" for f in each) for each in (w[:3], aim))
+    hertz, theirs = (", ".join(f"{f / (2.0 * np.pi):.5g}" for f in each[:3]) for each in (w, aim))
     if not error < ENOUGH:
         raise InputError(
             f"{source}: a chain of virtual joints has {hertz} Hz, the body {theirs} Hz: it does "
@@ -155,8 +157,11 @@ def stiffnesses(package: ModalPackage, chain: Chain, aim: Array) -> tuple[Array,
     inner, scaled = M[np.ix_(turned, turned)], k.ravel()[turned]
     for _ in range(PASSES):  # by the least change of stiffnesses, which is that of their energies
         found, v = eigh(np.diag(scaled), inner, subset_by_index=[0, aim.size - 1])
-        shares = scaled[:, None] * v**2 / found
-        change = np.clip(np.log(aim**2 / found), -LARGEST, LARGEST)
+        # Pairs as one: each mode of a pair has any direction.
+        pairs = np.abs(found / found[:, None] - 1.0) < PAIRED
+        mean = pairs / pairs.sum(axis=0)
+        shares = scaled[:, None] * v**2 / found @ mean
+        change = np.clip(np.log(aim**2 / found), -LARGEST, LARGEST) @ mean
         scaled = scaled * np.exp(np.linalg.pinv(shares.T, rcond=1e-6) @ change)
     k[k > 0.0] = scaled
     return k, turns.swapaxes(1, 2) @ chain.axes, M
