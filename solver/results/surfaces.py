@@ -159,15 +159,18 @@ def stl_triangles(file: Path) -> Array:
     Raises
     ------
     InputError
-        The file is none.
+        The file is none, or has no triangles.
     """
     import meshio  # takes 0.1 s
 
     try:
-        mesh = meshio.read(file, file_format="stl")
+        with np.errstate(all="ignore"):  # of a count that is none
+            mesh = meshio.read(file, file_format="stl")
     except Exception as error:  # meshio raises many kinds
         raise InputError(f"{file}: cannot be read as STL: {error}") from None
     rows = mesh.cells_dict.get("triangle", np.zeros((0, 3), dtype=np.int64))
+    if not (rows.size and np.isfinite(mesh.points).all()):
+        raise InputError(f"{file}: {len(rows)} triangles; expected an STL file with finite ones")
     return np.asarray(mesh.points[rows], dtype=float)
 
 

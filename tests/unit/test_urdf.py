@@ -257,6 +257,17 @@ def test_joints_that_mimic_others(tmp_path: Path) -> None:
         ),
         (
             '<box size="0.4 0.06 0.05"/>',
+            '<box size="400 60 50"/>',
+            r":16: <link upper arm>, <box>: 400 m wide; expected m, found some like mm",
+        ),
+        (
+            '<box size="0.4 0.06 0.05"/>',
+            '<mesh filename="broken.stl"/>',
+            r":16: <link upper arm>, <mesh>: .*broken.stl: 0 triangles; expected an STL file",
+        ),
+        ('name="slide" type', 'name="${side}_slide" type', r":48: <joint .*>: a name of xacro; "),
+        (
+            '<box size="0.4 0.06 0.05"/>',
             '<mesh filename="package://arm_data/no.stl"/>',
             r'no folder "arm_data" with this file .* expected --package arm_data=PATH',
         ),
@@ -269,6 +280,7 @@ def test_broken_files(
     assert old in ARM
     file = tmp_path / "broken.urdf"
     file.write_text(ARM.replace(old, new, 1))
+    (tmp_path / "broken.stl").write_bytes(b"cut off" * 20)
     out = tmp_path / "case"
     assert main(["import", str(file), "--out", str(out)]) == 2
     text = capsys.readouterr().err

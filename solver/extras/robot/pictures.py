@@ -10,7 +10,7 @@ import numpy as np
 from ...errors import InputError, refuse
 from ...math.arrays import Array
 from ...results.surfaces import BOX, SIGNS, halved, prism, stl_triangles, unit_sphere
-from .case import Body
+from .case import LONG, Body
 from .urdf import Robot, Shape
 
 MOST_TRIANGLES = 800  # of a body: a report draws each in every frame
@@ -40,6 +40,9 @@ def body_surface(robot: Robot, body: Body, packages: Mapping[str, Path]) -> Arra
             except InputError as error:
                 errors.append(f"{robot.file}:{shape.line}: <link {name}>, <{shape.kind}>: {error}")
                 continue
+            if (size := float(np.ptp(triangles.reshape(-1, 3), axis=0).max())) > LONG:
+                text = f"{size:.4g} m wide; expected m, found some like mm; or --no-meshes"
+                errors.append(f"{robot.file}:{shape.line}: <link {name}>, <{shape.kind}>: {text}")
             at = pose @ shape.pose
             parts.append(triangles @ at.A.T + at.p)
     refuse(errors)

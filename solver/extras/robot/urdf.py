@@ -272,6 +272,10 @@ class _Reader:
                 self._of(element, ": expected a name")
             elif name in named:
                 self._of(element, f': a second {tag} "{name}"')
+            elif "${" in name or "$(" in name:
+                self._of(
+                    element, ": a name of xacro; expected the URDF that `xacro FILE` makes of it"
+                )
             else:
                 self._spelled(f"{tag} {name}", element)
                 named[name] = read(name, element)
