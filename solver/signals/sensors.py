@@ -157,6 +157,7 @@ def combined(
     terms = [values for _, values, _ in measured]
     if signal.run is not None:
         there = names if signal.kind == "norm" else [signal.minus or signal.of]
+        units += [measuring(other)[0] for other in there if other not in names]
         terms = [
             _minus(values, _history(histories, signal.run, other))
             for values, other in zip(terms, there, strict=True)

@@ -157,6 +157,7 @@ BAD = {
     "no such signal": ('minus = "one_z"', 'of = "one_z": no such signal; did you mean'),
     "itself": ('minus = "s"', "depends on itself"),
     "another unit": ('minus = "spin"', "signals of one unit, found m and rad/s"),
+    "another unit of another run": ('minus = "spin"\nrun = "calm"', "found m and rad/s"),
 }
 
 
