@@ -270,8 +270,11 @@ def _against_random(folder: Path, table: dict[str, Any]) -> dict[str, Any]:
 def _violation(limits: list[dict[str, Any]], shown: list[float]) -> float:
     """Return the largest relative violation of limits by what is shown of a design."""
     return max(
-        1.0 - value / limit["min"] if "min" in limit else value / limit["max"] - 1.0
-        for limit, value in zip(limits, shown, strict=True)
+        0.0,
+        *(
+            1.0 - value / limit["min"] if "min" in limit else value / limit["max"] - 1.0
+            for limit, value in zip(limits, shown, strict=True)
+        ),
     )
 
 
