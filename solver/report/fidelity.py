@@ -1,6 +1,5 @@
 """The section of report.html on runs with [fidelity], with the chart of their models."""
 
-import json
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
@@ -9,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ..math.arrays import front
+from ..package.common.files import kept_table
 from .sections import Cell, Row, figures, name_of, section, table
 from .story import Story
 
@@ -136,11 +136,8 @@ def with_ladder(case_dir: Path, story: Story) -> Story:
     fidelity = story.summary.get("fidelity")
     if fidelity is None:
         return story
-    try:
-        ladder = json.loads(ladder_file(case_dir, story.name).read_text(encoding="utf-8"))
-        if (ladder["plan"], ladder["asked"]) != (fidelity["plan"], fidelity["asked"]):
-            return story
-    except (OSError, ValueError, KeyError, TypeError):
+    ladder = kept_table(ladder_file(case_dir, story.name))
+    if not ladder or any(ladder.get(key) != fidelity.get(key) for key in ("plan", "asked")):
         return story
     return replace(story, summary={**story.summary, "fidelity": {**fidelity, "ladder": ladder}})
 

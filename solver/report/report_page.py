@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 from ..errors import InputError
 from ..math.disk_cache import file_sha256, sources_sha256
-from ..package.common.files import write_text
+from ..package.common.files import kept_table, write_text
 from ..system.interrupts import ignore, shielded
 from ..system.platform import cores, processes
 from .bodies import fatigue_section, masses_section, modes_section, strength_section, worst
@@ -170,7 +170,7 @@ def draw_all(folder: Path, drawings: Sequence[Drawing]) -> None:
 
     On as many processes as there are cores. `folder` keeps the digests.
     """
-    before = _keys(folder / KEYS)
+    before = kept_table(folder / KEYS)
     now = {str(d.path.relative_to(folder)): _key(d) for d in drawings}
     stale = [
         d
@@ -197,7 +197,7 @@ def draw_all(folder: Path, drawings: Sequence[Drawing]) -> None:
 
 def drawn_before(folder: Path) -> set[str]:
     """Return the formats of figures that draw_all has left in a folder."""
-    there = [Path(name) for name in _keys(folder / KEYS) if (folder / name).is_file()]
+    there = [Path(name) for name in kept_table(folder / KEYS) if (folder / name).is_file()]
     return {file.suffix[1:] for file in there} & set(FORMATS)
 
 
@@ -213,14 +213,6 @@ def _write_keys(file: Path, keys: dict[str, str]) -> None:
 def _draw(drawing: Drawing) -> None:
     with house_style():
         drawing.draw(drawing.path, *drawing.arguments)
-
-
-def _keys(file: Path) -> dict[str, str]:
-    try:
-        keys = json.loads(file.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        return {}
-    return keys if isinstance(keys, dict) else {}
 
 
 def _key(drawing: Drawing) -> str:
@@ -284,7 +276,7 @@ def make_report(
     drawn_as = drawn_before(case_dir) | (set(formats) if figures else set())
     digests = {run: _result_sha256(case_dir, run) for run in runs}
     key = _content(case_dir, runs, case, digests, sorted(drawn_as))
-    known = _keys(case_dir / KEYS)
+    known = kept_table(case_dir / KEYS)
     # The page and all figures were made from data of this digest, and are there.
     if known.get(PAGE) == key and all(_there(case_dir / name) for name in known):
         return target
@@ -308,7 +300,7 @@ def make_report(
     title = str(case.get("title") or stories[0].result.case)
     write_text(target, page(title, stories, shown, design_sections(case_dir), reload_s))
     # After its figures: `draw_all` writes the digests of figures alone.
-    _write_keys(case_dir / KEYS, _keys(case_dir / KEYS) | {PAGE: key})
+    _write_keys(case_dir / KEYS, kept_table(case_dir / KEYS) | {PAGE: key})
     return target
 
 

@@ -1,7 +1,6 @@
 """Data of a case and its runs for the report."""
 
 import hashlib
-import json
 import re
 from collections.abc import Collection
 from dataclasses import dataclass, field, replace
@@ -11,6 +10,7 @@ from typing import Any, NamedTuple
 
 from ..errors import InputError, nearest
 from ..math.disk_cache import file_sha256
+from ..package.common.files import kept_table
 from ..results import ResultError, RunResult, Signal, Summary, read_result, read_summary
 
 # case.json: what the report needs to know of a case.
@@ -156,9 +156,5 @@ def comparisons(case: dict[str, Any], stories: list[Story]) -> list[Comparison]:
 
 def read_inputs(case_dir: Path, run: str) -> dict[str, object]:
     """Return the mechanism of a run as `check` wrote it; empty if its file is not there."""
-    try:
-        table = json.loads((case_dir / "runs" / f"{run}.json").read_text(encoding="utf-8"))
-        mechanism = table["mechanism"]
-    except (OSError, ValueError, KeyError, TypeError):
-        return {}
+    mechanism = kept_table(case_dir / "runs" / f"{run}.json").get("mechanism")
     return mechanism if isinstance(mechanism, dict) else {}

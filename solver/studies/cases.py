@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from ..errors import InputError, few, nearest
 from ..inputs.case.record import case_file, case_name
 from ..math.disk_cache import sources_sha256, state_of
-from ..package.common.files import refuse_foreign, refuse_link
+from ..package.common.files import kept_table, refuse_foreign, refuse_link
 from ..system.platform import POSIX, locked
 
 if TYPE_CHECKING:
@@ -185,10 +185,7 @@ def _program() -> list[str]:
 
 
 def _commands(out: Path) -> dict[str, Any]:
-    try:
-        commands = json.loads((out / RECORD).read_text(encoding="utf-8"))["commands"]
-    except (OSError, ValueError, KeyError, TypeError, RecursionError):
-        return {}
+    commands = kept_table(out / RECORD).get("commands")
     return commands if isinstance(commands, dict) else {}
 
 

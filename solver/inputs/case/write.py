@@ -22,7 +22,7 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import InputError
-from ...package.common.files import refuse_link, write_text
+from ...package.common.files import kept_table, refuse_link, write_text
 from .bodies.specifications import BodySpec, model_and_check
 from .design import Case
 from .record import needed, seal
@@ -103,11 +103,11 @@ class OutputFolder:
 
     def _before(self) -> tuple[set[str], bool]:
         """Return the own files of an earlier `check`; whether one without manifest was here."""
-        table = _read(self.path / MANIFEST)
+        table = kept_table(self.path / MANIFEST)
         if table.get("written_by") == WRITER and isinstance(table.get("files"), list):
             own = {n for n in table["files"] if isinstance(n, str) and _is_own(n)}
             return {MANIFEST, *own}, False
-        return set(), _read(self.path / CASE).get("written_by") == WRITER
+        return set(), kept_table(self.path / CASE).get("written_by") == WRITER
 
     def _record(self, names: list[str]) -> None:
         table = {"written_by": WRITER, "files": sorted(set(names))}
@@ -116,15 +116,6 @@ class OutputFolder:
 
 def _is_own(name: str) -> bool:
     return _OWN.fullmatch(name) is not None and not name.endswith(("/.", "/.."))
-
-
-def _read(file: Path) -> dict[str, Any]:
-    """Return a table of a JSON file; an empty one of any other file."""
-    try:
-        content = json.loads(file.read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError):
-        return {}
-    return content if isinstance(content, dict) else {}
 
 
 def write_if_changed(file: Path, text: str) -> None:

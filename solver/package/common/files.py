@@ -21,7 +21,7 @@ import os
 import re
 from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 from ...errors import InputError
 from ...system.interrupts import note_complete
@@ -313,6 +313,15 @@ def write_text(path: Path, text: str, *, own: bool = False, encoding: str = "utf
     with temporary_sibling(path, own=own) as temporary:
         errors = "replace" if encoding == "ascii" else "strict"
         temporary.write_text(text, encoding=encoding, errors=errors)
+
+
+def kept_table(file: Path) -> dict[str, Any]:
+    """Return the table of a JSON file that we have left; an empty one without a table there."""
+    try:
+        table = json.loads(file.read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError):
+        return {}
+    return table if isinstance(table, dict) else {}
 
 
 def _clean(folder: Path) -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...package.common.files import write_text
+from ...package.common.files import kept_table, write_text
 from ...results.codes import PLAN_TOO_COARSE
 from ...run.inputs import RunSpec
 from ..fidelity.answer import Answer, estimate_entry
@@ -41,7 +41,7 @@ def settle(sweep: SweepSpec) -> list[str]:
     digest = sweep.digest()
     given = kept_plan(file, known_vibrations(base), digest)
     before = record_file(sweep.file)
-    record = json.loads(before.read_text(encoding="utf-8")) if before.is_file() else {}
+    record = kept_table(before)
     if given is not None and record.get("plan") == given.table():
         return list(record["lines"])
     members = []
