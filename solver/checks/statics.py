@@ -13,8 +13,9 @@ a unit load e_i reduces the missing compliance G to G - G e_i e_i' G / G_ii: it 
 shapes help, before they are there.
 """
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -23,6 +24,7 @@ from ..dynamics.evaluation import series
 from ..errors import few
 from ..math.arrays import Array
 from ..math.rotations import skew
+from ..mechanism.built import BuiltMechanism
 from ..package import ModalPackage
 from ..package.body.invariants import body_size
 from ..results.codes import FEW_MODES, Finding
@@ -97,12 +99,14 @@ def unit_motions(package: ModalPackage) -> Array:
 class _Missing:
     """What the modes miss: a share of the strain energy, and loads p (l,) at the instant t [s].
 
-    `G` and `C` (l, l) are the missing and the whole compliance.
+    `mean` (l, l) is the mean of p p', of the start and of the run where they miss much; `G` and
+    `C` (l, l) are the missing and the whole compliance.
     """
 
     share: float
     t: float
     p: Array
+    mean: Array
     G: Array
     C: Array
 
@@ -131,32 +135,33 @@ class _Missing:
             f"{name}: the modes miss about {self.share:.0%} of the static deformation (strain "
             f"energy) under the loads of the run (expected below {FEW_MODES.limit:.0%}). At "
             f"t = {self.t:.3g} s {load} by {whole:.3g} {unit} in equilibrium and by {carried:.3g} "
-            f"{unit} with the modes. Take {', '.join(self._advice(package))}"
+            f"{unit} with the modes. Take {', '.join(self.advice(package))}"
         )
 
-    def _advice(self, package: ModalPackage) -> list[str]:
+    def advice(self, package: ModalPackage) -> list[str]:
         """Return the shapes, the most useful first, that leave less than half of the limit."""
         G, places = self.G, [one.name for one in package.interfaces]
-        whole = self.p**2 * np.diag(self.C)
+        whole = np.diag(self.mean) * np.diag(self.C)
         acts = whole > SMALL_LOAD * whole.max()
-        enough = 0.5 * FEW_MODES.limit * float(self.p @ self.G @ self.p) / self.share
+        enough = 0.5 * FEW_MODES.limit * float(np.sum(G * self.mean)) / self.share
         shapes: dict[str, list[str]] = {}
         n = 6 * len(places)
-        while float(self.p @ G @ self.p) > enough:
-            left, own = G @ self.p, np.diag(G)
+        while float(np.sum(G * self.mean)) > enough:
+            own = np.diag(G)
             able = acts & (own > SLIGHT * np.diag(self.C))
-            gain = np.where(able, left**2 / np.where(able, own, 1.0), 0.0)
+            gain = np.where(able, np.diag(G @ self.mean @ G) / np.where(able, own, 1.0), 0.0)
             k = int(np.argmax(gain[:n])) if n else 0
             if not n or gain[k] <= 0.5 * np.max(gain[n:]):
                 break
             shapes.setdefault(places[k // 6], []).append(AXES[k % 6])
             G = G - np.outer(G[k], G[k]) / G[k, k]
         advice = [f'modes of kind "attachment" at {at} ({" ".join(d)})' for at, d in shapes.items()]
-        if not advice or float(self.p @ G @ self.p) > enough:
-            work = (self.p * (G @ self.p))[n:].reshape(3, 4).sum(axis=1)
-            axis = AXES[int(np.argmax(work))]
-            kind = MORE[axis] if package.sections else f"along {axis}"
-            advice.append(f"more vibration modes ({kind})")
+        if not advice or float(np.sum(G * self.mean)) > enough:
+            work = np.diag(G @ self.mean)[n:].reshape(3, 4)
+            turns = {"torsion": work[1, 2] + work[2, 1]} if package.sections else {}
+            across = zip(AXES, work.sum(axis=1) - [0.0, work[1, 2], work[2, 1]], strict=False)
+            kinds = turns | {MORE[a] if package.sections else f"along {a}": w for a, w in across}
+            advice.append(f"more vibration modes ({max(kinds, key=lambda kind: kinds[kind])})")
         return advice
 
 
@@ -164,9 +169,9 @@ def _missing(
     run: FinishedRun, body: int, package: ModalPackage, recording: Recording, windows: int
 ) -> _Missing:
     """Return what the modes of a body miss, in the mean over windows or at a start at rest."""
-    p, C, F = _loads(run, body, package, recording), package.compliance, unit_motions(package)
+    p, C = _loads(run.built, body, package, recording), package.compliance
     assert C is not None  # of every package that is judged
-    G = C - F @ np.linalg.solve(package.stiffness, F.T)
+    G = missing_compliance(package, C)
     q = recording.modes(body)[1:]
     vibration = 0.5 * float(np.mean(np.sum((q @ package.stiffness) * q, axis=1))) / OVERSHOOT
     n = len(C) - INERTIA
@@ -181,24 +186,74 @@ def _missing(
     inertia = n + np.arange(INERTIA).reshape(3, 4)
     kinds = [*forces, inertia[:, 3], inertia[:, :3].ravel()]  # of one unit each
     softest = np.array([np.linalg.eigvalsh(C[np.ix_(rows, rows)])[-1] for rows in kinds])
-    slow = [(*_slow(p[1:], windows), _means(recording.t[1:], windows))]
+    # What varies fast counts for the size of loads: the mean of slow parts may be below zero.
+    slow = [(p[1:], *_slow(p[1:], windows), _means(recording.t[1:], windows))]
     if run.mechanism.solver.start != "positions":  # whose loads may be released then
-        slow.append((p[:1, :, None] * p[:1, None], p[:1], recording.t[:1]))
-    worst = _Missing(0.0, 0.0, p[0], G, C)
-    for squares, means, t in slow:
-        mean = squares.mean(axis=0)
-        lost, whole = (0.5 * max(float(np.sum(A * mean)), 0.0) for A in (G, C))
-        size = np.array([np.trace(mean[np.ix_(rows, rows)]) for rows in kinds])
-        share = lost / max(whole, vibration) if lost > SLIGHT * 0.5 * float(softest @ size) else 0.0
+        slow.append((p[:1], p[:1, :, None] * p[:1, None], p[:1], recording.t[:1]))
+    missed = np.zeros_like(C)
+    worst = _Missing(0.0, 0.0, p[0], missed, G, C)
+    for loads, squares, means, t in slow:
+        mean, size = squares.mean(axis=0), np.mean(loads**2, axis=0)
+        whole = 0.5 * max(float(np.sum(C * mean)), 0.0)
+        # Each kind of loads by itself: the inertia of a spin is large along the body, hardly
+        # strains it, and says nothing of what weight misses across it.
+        counted = np.zeros(len(C), dtype=bool)
+        for rows, soft in zip(kinds, softest, strict=True):
+            own = np.ix_(rows, rows)
+            counted[rows] = np.sum(G[own] * mean[own]) > SLIGHT * soft * size[rows].sum()
+        lost = 0.5 * max(float(np.sum((G * mean)[np.ix_(counted, counted)])), 0.0)
+        share = lost / max(whole, vibration) if lost > 0.0 else 0.0
+        missed = missed + mean if share > FEW_MODES.limit else missed
         if share > worst.share:
             k = int(np.argmax([float(a @ G @ a) for a in means]))
-            worst = _Missing(share, float(t[k]), means[k], G, C)
-    return worst
+            worst = _Missing(share, float(t[k]), means[k], mean, G, C)
+    return replace(worst, mean=missed)
 
 
-def _loads(run: FinishedRun, body: int, package: ModalPackage, recording: Recording) -> Array:
+def missed_by_modes(
+    built: BuiltMechanism, motions: Sequence[tuple[int, Recording, float]]
+) -> Iterator[str]:
+    """Yield bodies whose own modes miss much of their deformation in modes of the mechanism.
+
+    Parameters
+    ----------
+    built : bodies of the mechanism
+    motions : number of a mode, four states a quarter of its period apart with a small amplitude,
+        and its mean potential energy [J]. The square of its frequency falls by what is missed
+    """
+    for i, name in enumerate(built.body_names):
+        package = built.packages.get(name)
+        if package is None or package.compliance is None or not built.model.n_mode[i]:
+            continue
+        G, sums, shares = missing_compliance(package, package.compliance), 0.0, {}
+        for number, states, energy in motions:
+            p = _loads(built, i, package, states)
+            p = 0.5 * (p[:2] - p[2:])
+            mean = 0.5 * p.T @ p / energy
+            share = 0.5 * float(np.sum(G * mean))
+            if share > FEW_MODES.limit:
+                sums, shares[number] = sums + mean, share
+        if shares:
+            worst = max(shares, key=lambda number: shares[number])
+            whole = 0.5 * float(np.sum(G * sums))
+            missing = _Missing(whole, 0.0, p[0], np.asarray(sums), G, package.compliance)
+            yield (
+                f"modes {few([str(number) for number in shares])}: frequencies too high, of mode "
+                f"{worst} by about {math.sqrt(1.0 + shares[worst]) - 1.0:.0%}: the modes of {name} "
+                f"miss {shares[worst]:.0%} of its strain energy. Take "
+                f"{', '.join(missing.advice(package))}"
+            )
+
+
+def missing_compliance(package: ModalPackage, C: Array) -> Array:
+    """Return the compliance (l, l) that the modes of a package lack of its whole one, C (l, l)."""
+    F = unit_motions(package)
+    return np.asarray(C - F @ np.linalg.solve(package.stiffness, F.T))
+
+
+def _loads(built: BuiltMechanism, body: int, package: ModalPackage, recording: Recording) -> Array:
     """Return the loads p (k, l) on a body, in its axes."""
-    model = run.model
+    model = recording.model
     _, A, _ = body_frames(model, body, recording.y)
     j = model.n_pos + int(model.vel_start[body])
     w = np.array([skew(each) for each in recording.y[:, j + 3 : j + 6]])
@@ -213,7 +268,7 @@ def _loads(run: FinishedRun, body: int, package: ModalPackage, recording: Record
         for number, marker in enumerate(loaded.tolist())
         if model.marker_body[marker] == body
     ]
-    for marker, mass in run.built.point_masses:
+    for marker, mass in built.point_masses:
         if model.marker_body[marker] == body:
             force = mass * (model.gravity_G - recording.acceleration(marker))
             acting.append((marker, np.stack([force, np.zeros_like(force)], axis=1)))

@@ -281,10 +281,19 @@ def scene(blob: Blob, story: Story, share: int) -> dict[str, object] | None:
         "origin": origin,
         "size": size,
         "extent": high - low,
+        "up": _up(story.inputs.get("gravity")),
         "bodies": bodies,
         "joints": _pairs(own, result.bodies),
         "loads": _loads(blob, result.loads, origin, share),
     }
+
+
+def _up(gravity: object) -> int:
+    """Return the axis against gravity, 1 or 2; 0: there is none, or it is along x or changes."""
+    if not isinstance(gravity, list) or not all(isinstance(v, int | float) for v in gravity):
+        return 0
+    axis = int(np.argmax(np.abs(gravity)))
+    return axis if gravity[axis] < 0.0 else 0
 
 
 def _loads(blob: Blob, loads: Loads | None, origin: Array, share: int) -> dict[str, object] | None:

@@ -6,7 +6,10 @@ from samples.beam_samples import CLAMPED, Beam, reduced
 from samples.case_samples import rigid
 from samples.curved_samples import meshed
 from samples.judged_samples import judged
+from samples.modes_samples import modes_at, rates
 from samples.stiffening_samples import rectangle
+
+from plymotion.solver.package import write_package
 
 K, MASS = rectangle(70e9, 0.3, 2700.0, 0.004, 0.02)
 LENGTH, EI = 0.5, K[5, 5]
@@ -221,3 +224,71 @@ def test_a_load_that_the_start_releases(tmp_path):
     assert entry["t"] == 0.0
     full = column(1, [static("tip", "rz")])
     assert told(tmp_path, text, full, start="equilibrium") == []
+
+
+def round_shaft(more=()):
+    K, mass = rectangle(70e9, 0.3, 2700.0, 0.01, 0.01)
+    modes = [{"kind": f"bending-{plane}", "count": 3} for plane in ("xy", "xz")]
+    places = {"root": {"at": "start"}, "mid": {"at": 0.5}, "tip": {"at": "end"}}
+    return reduced(
+        CHORD, [*modes, *more], K=K, mass=mass, length=LENGTH, elements=12, interfaces=places
+    )
+
+
+DISC = """
+[bodies.shaft]
+kind = "package"
+package = "shaft.vtkhdf"
+[ground.foot]
+position = [0.0, 0.0, 0.0]
+[ground.end]
+position = [0.5, 0.0, 0.0]
+[joints.disc]
+kind = "fixed"
+between = ["shaft.mid", "disc.c"]
+[joints.tip]
+kind = "point_on_line"
+between = ["ground.end", "shaft.tip"]
+axis = [1.0, 0.0, 0.0]
+""" + rigid("disc", 2.0, 1e-3, {"c": (0, 0, 0)}, position=(0.25, 0, 0))
+HINGE = """
+[joints.foot]
+kind = "revolute"
+between = ["ground.foot", "shaft.root"]
+axis = [1.0, 0.0, 0.0]
+drive = { speed = 200.0 }
+"""
+HELD = """
+[joints.foot]
+kind = "fixed"
+between = ["ground.foot", "shaft.root"]
+"""
+
+
+def test_weight_on_a_shaft_that_turns(tmp_path):
+    """The inertia of the spin along the body is large, and strains it little."""
+    text, found = "gravity = [0.0, -9.81, 0.0]\n" + DISC + HINGE, []
+    for more in ((), [static("root", "ry", "rz")]):
+        options = {"t_end": 0.1, "output_step": 1e-3, "start": "quasi-static"}
+        shaft = {"shaft": round_shaft(more).package}
+        done = judged(tmp_path, text, shaft, geometric_stiffening=True, **options, **RADAU)
+        found.append([w for w in done.summary["warnings"] if w["code"] == "modes-too-few"])
+    ((entry,), cleared) = found
+    assert entry["value"] > 0.25
+    assert {"ry", "rz"} == set(entry["message"].split('"attachment" at root (')[1][:-1].split())
+    assert cleared == []
+
+
+def test_modes_of_a_mechanism_whose_body_lacks_a_shape(tmp_path, capsys):
+    """The first frequency of a clamped and pinned shaft is 16 % too high without its shape."""
+    folder, lowest, notes = tmp_path / "sample", [], []
+    folder.mkdir()
+    for more in ((), [static(at, "ry", "rz") for at in ("root", "mid")]):
+        write_package(folder / "shaft.vtkhdf", round_shaft(more).package)
+        found = modes_at(tmp_path, DISC + HELD, "start", capsys=capsys)
+        lowest.append(rates(found)[0])
+        notes.append([note for note in found["notes"] if "frequencies too high" in note])
+    (note,), none = notes
+    assert none == []
+    assert 'attachment" at root (r' in note
+    assert lowest[0] / lowest[1] == pytest.approx(1.16, abs=0.04)

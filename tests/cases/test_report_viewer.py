@@ -322,3 +322,26 @@ COILS = """(() => {
   return plymotion.jointLines(scene, states, 1).map(({ coil, ends }) =>
     ({ coil, ends: ends.map((p) => p.map((v, a) => v + scene.origin[a])) }));
 })()"""
+
+
+@pytest.mark.parametrize(
+    ("extent", "up", "expected"),
+    [
+        ([1, 1, 1], 2, 2),  # gravity along -z
+        ([1, 1, 1], 1, 1),
+        ([1, 1, 1], 0, 1),  # without gravity
+        ([1, 1, 0.1], 2, 1),  # flat: one looks along z
+        ([1, 0.1, 1], 1, 2),
+        ([0.1, 1, 1], 1, 1),
+    ],
+)
+def test_what_is_up_in_the_picture(browser: Browser, extent, up, expected) -> None:
+    """By the button for the first view."""
+    before = browser.run(f"""(() => {{ const scene = plymotion.page.runs[0].scene;
+        const before = [scene.extent, scene.up];
+        [scene.extent, scene.up] = [{extent}, {up}];
+        document.getElementById('home').click();
+        return before; }})()""")
+    found = browser.run("plymotion.view.camera.up")
+    browser.run(f"[plymotion.page.runs[0].scene.extent, plymotion.page.runs[0].scene.up] = {before}")
+    assert found == expected

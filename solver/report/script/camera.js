@@ -3,9 +3,11 @@
 function homeCamera(scene, shown) {
   const [x, y, z] = scene.extent;
   const flat = Math.min(x, y, z) < 0.25 * Math.max(x, y, z);
-  // Along the shortest side of what is seen; y is up unless one looks along it.
-  const along = flat ? [x, y, z].indexOf(Math.min(x, y, z)) : 2;
-  const camera = { target: [0, 0, 0], up: along === 2 ? 1 : 2, yaw: (along === 1 ? -Math.PI / 2 : 0) + (flat ? 0.2 : 0.6), pitch: flat ? 0.2 : 0.45, distance: scene.size };
+  // What is flat along its shortest side. Gravity says whether y or z is up, unless one looks along it.
+  const along = flat ? [x, y, z].indexOf(Math.min(x, y, z)) : -1;
+  const up = along === 2 ? 1 : along === 1 ? 2 : scene.up || (flat ? 2 : 1);
+  const aside = along === 1 || (!flat && up === 2) ? -Math.PI / 2 : 0; // seen from -y
+  const camera = { target: [0, 0, 0], up, yaw: aside + (flat ? 0.2 : 0.6), pitch: flat ? 0.2 : 0.45, distance: scene.size };
   return fitCamera(camera, scene, shown);
 }
 

@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 
 from ...checks.stability import SpinMonitor
+from ...checks.statics import missed_by_modes
 from ...checks.stiffening import tilting, tilting_text
-from ...dynamics.analysis.recovery import body_frames, extent
+from ...dynamics.analysis.recovery import Recording, body_frames, extent
 from ...dynamics.evaluation.series import along_solution
-from ...dynamics.model.coordinates import Spin, spin_velocities, turned
+from ...dynamics.model.coordinates import Spin, moved, spin_velocities, turned
 from ...errors import InputError, counted, few, nearest
 from ...math.arrays import Array, IntArray
 from ...math.rotations import vector_to_matrix
@@ -22,6 +23,7 @@ from ...report.style import GREY, WARNING, Canvas, colour, house_style
 from ...results.codes import TILTING
 from ...signals import sensors
 from ..linearisation.campbell import Campbell, Point, crossings, follow, vectors_of
+from ..linearisation.differences import STEP, units_of
 from ..linearisation.modes import (
     Modes,
     Participation,
@@ -47,6 +49,7 @@ _AT_REST = 1e-6  # accelerations of a state called an equilibrium, of those by l
 _TURNS = (0.8, 1.6)  # [rad] angles at which equations are compared
 _CONSTANT = 1e-5  # change of the equations, over the eigenvalues, that counts as none
 _BENT = 0.03  # [rad] elastic rotation of an interface without a note
+_JUDGED = 6  # of the lowest frequencies: the highest of any model lack shapes
 _ACCURATE = 1e-4  # estimated error of the differences without a note
 
 
@@ -194,6 +197,7 @@ def _notes(states: States, state: State, space: StateSpace, modes: Modes) -> lis
             f"{_BENT:g} rad relative to the body frame. The elastic law is that of the undeformed "
             "body, and frequencies may be a per cent off; a beam divided by `segments` has less"
         )
+    notes += _missed(states, state, space, modes)
     if states.tables is not None and state.spin is not None and state.spin.rate != 0.0:
         spin, packages = SpinMonitor(state.model, states.built.body_names), states.built.packages
         for i, name in enumerate(states.built.body_names):
@@ -224,6 +228,31 @@ def _bent(states: States, state: State) -> list[str]:
             if max((float(np.linalg.norm(turn)) for turn in linear), default=0.0) > _BENT:
                 bodies.append(name)
     return bodies
+
+
+def _missed(states: States, state: State, space: StateSpace, modes: Modes) -> list[str]:
+    """Return which of the lowest frequencies are too high, as bodies lack shapes for their loads.
+
+    The loads on the bodies in a mode are differences of those of states a step to both sides. Not
+    of a spin, whose frequencies in turning axes say nothing of the energy of a mode.
+    """
+    model, y, motions = state.model, state.y, []
+    if state.spin is not None and state.spin.rate != 0.0:
+        return []
+    unit = units_of(model, extent(model, y))
+    for k in np.flatnonzero(modes.frequencies > 0.0)[:_JUDGED].tolist():
+        x, rate = modes.x[:, k], modes.eigenvalues[k]
+        x = x * (STEP / np.abs(x * unit).max())
+        near = []
+        for phase in (1.0, 1.0j, -1.0, -1.0j):
+            at = moved(model, y[: model.n_pos], (x * phase).real)
+            v = y[model.n_pos :].copy()
+            v[: model.n_vel] += (rate * x * phase).real
+            near.append(np.concatenate([at, v]))
+        energy = 0.25 * abs(rate) ** 2 * float((x.conj() @ space.mass @ x).real)
+        recording = Recording(model, np.full(len(near), state.t), np.array(near))
+        motions.append((k + 1, recording, energy))
+    return list(missed_by_modes(states.built, motions))
 
 
 # `--response`: transfer functions from forces and drives to signals.
