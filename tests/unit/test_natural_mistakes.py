@@ -26,6 +26,18 @@ MISTAKES = [
         "unknown key; did you mean 'solver.geometric_stiffening'?",
     ),
     (
+        "arm",
+        "length = 0.5",
+        "length = 0.5\ngeometric_stiffening = true",
+        "unknown key; did you mean 'solver.geometric_stiffening'?",
+    ),
+    (
+        "arm",
+        "[runs.base]",
+        '[signals.turn]\nkind = "joint"\njoint = "base"\ncomponent = "angle"\n[runs.base]',
+        "unknown key; did you mean 'coordinate'?",
+    ),
+    (
         "panel",
         "damping_ratio",
         "segments = 4\ndamping_ratio",

@@ -261,7 +261,8 @@ angles: angles_deg
 layup lay_up laminate plies: layup laminate sections.NAME.description
 bending: bending-xy
 bernoulli euler_bernoulli: classical
-second_order: solver.geometric_stiffening
+component: coordinate
+second_order geometric_stiffening: solver.geometric_stiffening
 ball: spherical
 hinge pin: revolute
 slider: prismatic
