@@ -225,7 +225,8 @@ def missed_by_modes(
         package = built.packages.get(name)
         if package is None or package.compliance is None or not built.model.n_mode[i]:
             continue
-        G, sums, shares = missing_compliance(package, package.compliance), 0.0, {}
+        G, shares = missing_compliance(package, package.compliance), {}
+        sums = np.zeros_like(G)
         for number, states, energy in motions:
             p = _loads(built, i, package, states)
             p = 0.5 * (p[:2] - p[2:])
@@ -236,7 +237,7 @@ def missed_by_modes(
         if shares:
             worst = max(shares, key=lambda number: shares[number])
             whole = 0.5 * float(np.sum(G * sums))
-            missing = _Missing(whole, 0.0, p[0], np.asarray(sums), G, package.compliance)
+            missing = _Missing(whole, 0.0, p[0], sums, G, package.compliance)
             yield (
                 f"modes {few([str(number) for number in shares])}: frequencies too high, of mode "
                 f"{worst} by about {math.sqrt(1.0 + shares[worst]) - 1.0:.0%}: the modes of {name} "

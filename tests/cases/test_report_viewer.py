@@ -343,5 +343,6 @@ def test_what_is_up_in_the_picture(browser: Browser, extent, up, expected) -> No
         document.getElementById('home').click();
         return before; }})()""")
     found = browser.run("plymotion.view.camera.up")
-    browser.run(f"[plymotion.page.runs[0].scene.extent, plymotion.page.runs[0].scene.up] = {before}")
+    scene = "plymotion.page.runs[0].scene"
+    browser.run(f"[{scene}.extent, {scene}.up] = {before}")
     assert found == expected
