@@ -5,7 +5,7 @@ from math import cos, pi, sin, sqrt
 import numpy as np
 import pytest
 from samples.case_samples import rigid
-from samples.coordinate_samples import RADAU, force, run
+from samples.coordinate_samples import DEFAULT, RADAU, force, run
 
 from plymotion.solver.errors import InputError
 
@@ -152,6 +152,25 @@ def test_a_sliding_ball_begins_to_roll(tmp_path):
     # Surfaces touch at r, the arm of the friction is r - depth: 4 parts in 1e5 of r.
     assert s["ball_velocity_x"][-1] == pytest.approx(5.0 / 7.0 * u, rel=1e-4)
     assert s["ball_position_x"][-1] == pytest.approx(way, rel=1e-4)
+
+
+@pytest.mark.parametrize("smoothed", [1e-5, 1e-4])  # rtol, and ten times of it
+def test_a_ball_slides_from_rest(tmp_path, smoothed):
+    """Down a slope that is too steep to roll; the friction is less while it begins to slide."""
+    angle, mass, r, mu, k = 0.7, 2.0, 0.1, 0.1, 1e7
+    weight = mass * G * cos(angle)
+    arm, n = r - (weight / k) ** (2.0 / 3.0), [-sin(angle), 0.0, cos(angle)]
+    text = FLOOR + body("ball", mass, 0.4 * mass * r**2, position=[arm * v for v in n])
+    how = {"radius": r, "stiffness": k, "coefficient": mu, "rest_velocity": smoothed}
+    text += contact("ground.floor", "ball.c", axis=n, **how)
+    text += signals("ball", "velocity", "angular_velocity")
+    _, s, _ = run(tmp_path, text, 0.5, 0.1, DEFAULT)
+    slides = G * (sin(angle) - mu * cos(angle)) * 0.5
+    down = -cos(angle) * s["ball_velocity_x"][-1] - sin(angle) * s["ball_velocity_z"][-1]
+    assert down == pytest.approx(slides, abs=smoothed)
+    turns = 2.5 * mu * G * cos(angle) / r * 0.5
+    found = abs(s["ball_angular_velocity_y"][-1])
+    assert found == pytest.approx(turns, rel=1e-4, abs=10.0 * smoothed / r)
 
 
 def test_a_spinning_ball_on_a_moving_belt(tmp_path):

@@ -36,6 +36,7 @@ from .radau_stages import (
 from .residual import residual
 from .step_control import (
     ARRIVED,
+    BEGUN,
     CUTOFF,
     END,
     ERROR_LAST,
@@ -53,6 +54,7 @@ from .step_control import (
     PAUSED,
     RATE,
     ROUGH,
+    STEPS,
     TAKEN,
     TIME,
     TOO_ROUGH,
@@ -193,6 +195,9 @@ def _solve_stages(
     tolerance = max(2e-15 / options.rtol, min(0.01, options.rtol**0.5))
     # a rate of convergence known from the last step lets one iteration do
     rate, size_last = max(clock[RATE], 1e-15) ** 0.8, 0.0
+    # Without a prediction the first correction is nearly all of the motion, whatever the second
+    # leaves of a steep law, as that of friction at rest is for a body that begins to slide.
+    first_of_all = counts[STEPS] == clock[BEGUN]
     counts[TROUBLE], clock[RATE] = NEWTON, 1.0
     for iteration in range(1, most + 1):
         _stage_residuals(model, workspace, t, h, iteration == 1, refused)
@@ -219,7 +224,8 @@ def _solve_stages(
             judged = not fixed and (iteration > 2 or rate > DIVERGES)
             if judged and (rate >= 1.0 or rate**to_go / (1.0 - rate) * size > tolerance):
                 return iteration
-        if converged or (rate < 1.0 and rate / (1.0 - rate) * size < tolerance):
+        known = not first_of_all or iteration != 2 or size < tolerance
+        if converged or (known and rate < 1.0 and rate / (1.0 - rate) * size < tolerance):
             counts[TROUBLE], clock[RATE] = NONE, rate
             return iteration
         size_last = size
