@@ -139,3 +139,10 @@ def test_one_mistake_of_a_lay_up_is_one_message(tmp_path):
     (line,) = str(error.value).splitlines()
     key = "sections.tube.description.laminates.wall"
     assert line.endswith(f"{key} = \"carbn\": no such material; did you mean 'carbon'?")
+
+
+def test_angles_of_a_lay_up_as_text_are_no_numbers(tmp_path):
+    case = CASE.replace("angles_deg = [30, -30]", 'layup = "[30/-30]"')
+    assert case != CASE
+    with pytest.raises(InputError, match="`layup` is text: write angles_deg in its place"):
+        _load(tmp_path, f"{FIRST} = [1]", case=case)

@@ -206,7 +206,7 @@ def number_at(
 def _number(model: BaseModel, key: str, shown: str, units: str, *, text: bool) -> tuple[str, Any]:
     """Return unit and value at a key below a model; `shown` is the key in messages."""
     here: Any = model
-    unit, way = "", list[str]()
+    unit, way, by_text = "", list[str](), False
     parts = key.split(".")
     for number, part in enumerate(parts):
         known: list[str]
@@ -217,7 +217,8 @@ def _number(model: BaseModel, key: str, shown: str, units: str, *, text: bool) -
         elif isinstance(here, list):
             known = [str(i) for i in range(len(here))]
         elif here is None:
-            raise Misplaced(f"{shown}: {'.'.join(way)} is absent in this run")
+            hint = "; `layup` is text: write angles_deg in its place" if by_text else ""
+            raise Misplaced(f"{shown}: {'.'.join(way)} is absent in this run{hint}")
         else:
             raise Misplaced(f"{shown}: {'.'.join(way)} has no keys")
         way.append(part)
@@ -237,6 +238,7 @@ def _number(model: BaseModel, key: str, shown: str, units: str, *, text: bool) -
             apart = unit == ALONG or part in {each.partition(".")[0] for each in more}
             if units != "m" and apart:
                 raise Misplaced(f'{shown}: is in {units} here; expected units = "m" to vary it')
+            by_text = part == "angles_deg" and getattr(here, "layup", None) is not None
             here = getattr(here, part)
         else:
             if isinstance(here, list) and "," in unit:  # those of its entries, as text

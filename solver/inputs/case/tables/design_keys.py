@@ -242,7 +242,9 @@ class Study(Table):
         only = self.minimise is not None and self.objective.subject in ("strength", "frequency")
         if self.objective.of == wrong or only:
             key = "maximise" if self.minimise is not None else "minimise"
-            raise ValueError(f"{self.objective.words()}: expected under `{key}`")
+            least = "; a deflection downwards is below 0: small if its least value is large"
+            hint = least if self.objective.of == "min" else ""
+            raise ValueError(f"{self.objective.words()}: expected under `{key}`{hint}")
         if self.front is not None and self.driver != "genetic":
             raise ValueError(f'driver = "{self.driver}": expected "genetic" with `front`')
         return self
