@@ -196,8 +196,9 @@ def _solve_stages(
     # a rate of convergence known from the last step lets one iteration do
     rate, size_last = max(clock[RATE], 1e-15) ** 0.8, 0.0
     # Without a prediction the first correction is nearly all of the motion, whatever the second
-    # leaves of a steep law, as that of friction at rest is for a body that begins to slide.
-    first_of_all = counts[STEPS] == clock[BEGUN]
+    # leaves of a steep law, as that of friction at rest is for a body that begins to slide. Fixed
+    # steps have no error to keep.
+    first_of_all = not fixed and counts[STEPS] == clock[BEGUN]
     counts[TROUBLE], clock[RATE] = NEWTON, 1.0
     for iteration in range(1, most + 1):
         _stage_residuals(model, workspace, t, h, iteration == 1, refused)
