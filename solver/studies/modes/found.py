@@ -1,6 +1,7 @@
 """Modes about a state: what is reported, exported and computed as response; Campbell diagrams."""
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import compress
 from pathlib import Path
 from typing import Any
@@ -57,12 +58,17 @@ _ACCURATE = 1e-4  # estimated error of the differences without a note
 class Found:
     """Modes about one state."""
 
+    states: States
     state: State
     space: StateSpace
     modes: Modes
     shares: Participation
     whirl: Array  # (k,) angular frequencies seen from axes at rest; nan: no whirl
-    notes: tuple[str, ...]
+
+    @cached_property
+    def notes(self) -> tuple[str, ...]:
+        """What a reader should know of the state and of the modes; a design does not ask for it."""
+        return tuple(_notes(self.states, self.state, self.space, self.modes))
 
     @property
     def damping(self) -> Array:
@@ -119,7 +125,7 @@ def find_modes(states: States, state: State, *, ports: bool = True, check: bool 
     axis = spin.axis if spin is not None else None
     shares = participation(state.model, space, modes, built.body_names, built.packages, axis)
     whirl = whirl_rates(modes, shares.forward, spin.rate if spin is not None else 0.0)
-    return Found(state, space, modes, shares, whirl, tuple(_notes(states, state, space, modes)))
+    return Found(states, state, space, modes, shares, whirl)
 
 
 def _turns_freely(state: State, spin: Spin) -> bool:
