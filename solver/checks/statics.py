@@ -239,9 +239,9 @@ def missed_by_modes(
             whole = 0.5 * float(np.sum(G * sums))
             missing = _Missing(whole, 0.0, p[0], sums, G, package.compliance)
             yield (
-                f"modes {few([str(number) for number in shares])}: frequencies too high, of mode "
-                f"{worst} by about {math.sqrt(1.0 + shares[worst]) - 1.0:.0%}: the modes of {name} "
-                f"miss {shares[worst]:.0%} of its strain energy. Take "
+                f"modes {few([str(number) for number in shares])}: frequencies too high (mode "
+                f"{worst} by about {math.sqrt(1.0 + shares[worst]) - 1.0:.0%}): the modes of "
+                f"{name} miss {shares[worst]:.0%} of the strain energy of this mode. Take "
                 f"{', '.join(missing.advice(package))}"
             )
 

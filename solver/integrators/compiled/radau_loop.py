@@ -195,10 +195,10 @@ def _solve_stages(
     tolerance = max(2e-15 / options.rtol, min(0.01, options.rtol**0.5))
     # a rate of convergence known from the last step lets one iteration do
     rate, size_last = max(clock[RATE], 1e-15) ** 0.8, 0.0
-    # Without a prediction the first correction is nearly all of the motion, whatever the second
-    # leaves of a steep law, as that of friction at rest is for a body that begins to slide. Fixed
-    # steps have no error to keep.
-    first_of_all = not fixed and counts[STEPS] == clock[BEGUN]
+    # Without a prediction the first correction is nearly all of the motion. The second one over it
+    # then says nothing of a steep law, such as friction on a body that begins to slide. Fixed steps
+    # have no error control.
+    unpredicted = not fixed and counts[STEPS] == clock[BEGUN]
     counts[TROUBLE], clock[RATE] = NEWTON, 1.0
     for iteration in range(1, most + 1):
         _stage_residuals(model, workspace, t, h, iteration == 1, refused)
@@ -225,7 +225,7 @@ def _solve_stages(
             judged = not fixed and (iteration > 2 or rate > DIVERGES)
             if judged and (rate >= 1.0 or rate**to_go / (1.0 - rate) * size > tolerance):
                 return iteration
-        known = not first_of_all or iteration != 2 or size < tolerance
+        known = not unpredicted or iteration != 2 or size < tolerance
         if converged or (known and rate < 1.0 and rate / (1.0 - rate) * size < tolerance):
             counts[TROUBLE], clock[RATE] = NONE, rate
             return iteration

@@ -242,7 +242,7 @@ class Study(Table):
         only = self.minimise is not None and self.objective.subject in ("strength", "frequency")
         if self.objective.of == wrong or only:
             key = "maximise" if self.minimise is not None else "minimise"
-            least = "; a deflection downwards is below 0: small if its least value is large"
+            least = "; a downward deflection is negative: it is smaller if its minimum is larger"
             hint = least if self.objective.of == "min" else ""
             raise ValueError(f"{self.objective.words()}: expected under `{key}`{hint}")
         if self.front is not None and self.driver != "genetic":
