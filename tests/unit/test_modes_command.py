@@ -1,6 +1,7 @@
 """The command `plymotion modes`: its files, its states, what it says of wrong input."""
 
 import json
+import re
 
 import h5py
 import numpy as np
@@ -9,8 +10,10 @@ from samples.case_samples import rigid
 from samples.modes_samples import write_case_text
 from scipy.integrate import solve_ivp
 
+import plymotion as pm
 from plymotion.solver.__main__ import main
 from plymotion.solver.package.common.files import RECORD
+from plymotion.solver.studies.modes.found import draw
 
 SWING = (
     "gravity = [0.0, -9.81, 0.0]\n[ground.pin]\nposition = [0.0, 0.0, 0.0]\n"
@@ -86,8 +89,6 @@ def test_a_time_of_the_run(case, capsys):
     ],
 )
 def test_wrong_options_exit_with_2_and_words(case, capsys, options, words):
-    import re
-
     try:
         code = main(["modes", str(case), *options])
     except SystemExit as ended:  # by argparse
@@ -104,6 +105,21 @@ def test_spin_without_an_axis(tmp_path, monkeypatch, capsys):
     assert main(["modes", str(case), "--at", "spin=5"]) == 2
     assert "the axis of the spin is missing" in capsys.readouterr().err
     assert main(["modes", str(case), "--at", "spin=5", "--axis", "0,0,1"]) == 0
+
+
+def test_a_diagram_is_drawn_where_its_lines_cross(repository, tmp_path):
+    """A branch far above the harmonics is left out; labels beside the diagram lie apart."""
+    text = (repository / "cases/rotor/case.toml").read_text("utf-8")  # 1P to 4P: 16 to 64 Hz
+    case = tmp_path / "case.toml"
+    case.write_text(text.replace("stiffness = [2e5, 2e5, 2e5]", "stiffness = [2e5, 2e5, 2e9]"))
+    found = pm.campbell(case, [0.0, 100.0], harmonics=4)
+    assert found.frequencies[:, 4] == pytest.approx(3559.0, rel=1e-3)
+    drawn = draw(tmp_path / "campbell.svg", found._diagram).read_text("utf-8")
+    assert "<!-- 1 more: campbell.csv -->" in drawn
+    assert "rotor z" not in drawn
+    labels = re.findall(r"<!-- (\S+) -->\s*<g [^>]*translate\(\S+ (\S+)\) scale\(0.08 ", drawn)
+    assert sorted(text for text, _ in labels) == ["1", "1P", "2", "2P", "3", "3P", "4", "4P"]
+    assert min(np.diff(sorted(float(height) for _, height in labels))) > 9.0  # [pt]
 
 
 def test_no_such_file(tmp_path, capsys):

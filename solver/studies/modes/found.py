@@ -20,7 +20,7 @@ from ...math.rotations import vector_to_matrix
 from ...mechanism.built import Start
 from ...mechanism.equilibrium import after_turn, round_off
 from ...package.common.plain_data import csv_text
-from ...report.style import GREY, WARNING, Canvas, colour, house_style
+from ...report.style import DASHES, GREY, WARNING, Canvas, colour, house_style
 from ...results.codes import TILTING
 from ...signals import sensors
 from ..linearisation.campbell import Campbell, Point, crossings, follow, vectors_of
@@ -450,30 +450,58 @@ def _plain(values: Array) -> list[float | None]:
 
 # Figure of a Campbell diagram.
 
+_REACH, _FEW = 1.5, 4  # branches drawn: up to so many times the harmonics, and the lowest ones
+_APART = 0.045  # of the height: labels beside the diagram
+
 
 def draw(path: Path, diagram: Diagram) -> Path:
     """Draw campbell.png: frequencies of the branches over speed, harmonics and crossings."""
     c, hz = diagram.campbell, 2.0 * np.pi
+    followed = diagram.campbell.followed(diagram.fixed) / hz
+    lowest = np.where(followed > 0.0, followed, np.inf).min(axis=0)
+    last = diagram.harmonics * c.speeds[-1] / hz
+    known = np.sort(lowest[np.isfinite(lowest)])
+    limit = max([_REACH * last, *known[:_FEW]])
+    drawn = np.flatnonzero(lowest <= limit).tolist()
+    top = 1.08 * float(np.nanmax(followed[:, drawn], initial=1e-3))
     with house_style():
         canvas = Canvas(7.2, 4.8)
         (axes,) = canvas.panels(1)
-        followed = diagram.campbell.followed(diagram.fixed) / hz
-        top = 1.08 * float(np.nanmax(followed, initial=1e-3))
+        labels: list[tuple[float, str, str]] = []  # beside the ends of lines: height, text, colour
         for n in range(1, diagram.harmonics + 1):
             axes.plot(c.speeds, n * c.speeds / hz, color=GREY, linewidth=0.8, linestyle=(0, (4, 2)))
-            end = min(c.speeds[-1], top * hz / n)
-            axes.annotate(
-                f"{n}P", (end, n * end / hz), color=GREY, fontsize=8, va="bottom", ha="right"
+            if n * c.speeds[-1] / hz <= top:
+                labels.append((n * c.speeds[-1] / hz, f"{n}P", GREY))
+            else:
+                axes.text(top * hz / n, top, f"{n}P ", color=GREY, fontsize=8, va="top", ha="right")
+        for i, b in enumerate(drawn):
+            name = diagram.names[b]
+            line = DASHES[1] if name.endswith(", backward") else "-"
+            axes.plot(
+                c.speeds, followed[:, b], color=colour(i), linestyle=line, label=f"{b + 1} {name}"
             )
-        for b, name in enumerate(diagram.names):
-            axes.plot(c.speeds, followed[:, b], color=colour(b), label=name)
             grows = c.growth[:, b] > 0.0
             axes.plot(
                 c.speeds[grows], followed[grows, b], ".", color=WARNING, markersize=4, zorder=4
             )
+            if np.isfinite(followed[-1, b]) and followed[-1, b] <= top:
+                labels.append((followed[-1, b], f"{b + 1}", colour(i)))
         points = [(x.speed, x.frequency / hz) for x in diagram.crossings if x.frequency / hz < top]
         if points:
             axes.plot(*zip(*points, strict=True), "o", color="black", markersize=3.5, zorder=5)
+        height = -1.0
+        for at, text, ink in sorted(labels):
+            height = max(at / top, height + _APART)
+            axes.annotate(
+                text,
+                (1.0, at / top),
+                (1.03, height),
+                "axes fraction",
+                color=ink,
+                fontsize=8,
+                va="center",
+                arrowprops={"arrowstyle": "-", "color": ink, "linewidth": 0.4},
+            )
         axes.set_xlim(c.speeds[0], c.speeds[-1])
         axes.set_ylim(0.0, top)
         seen = "axes at rest" if diagram.fixed else "axes that turn"
@@ -483,5 +511,7 @@ def draw(path: Path, diagram: Diagram) -> Path:
         axes.set_ylabel("frequency [Hz]")
         above = axes.secondary_xaxis("top", functions=(lambda w: w * RPM, lambda r: r / RPM))
         above.set_xlabel("speed [1/min]")
-        axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0))
+        if more := len(known) - len(drawn):
+            axes.plot([], [], " ", label=f"{more} more: campbell.csv")
+        axes.legend(loc="upper left", bbox_to_anchor=(1.08, 1.0))
         return canvas.save(path)
