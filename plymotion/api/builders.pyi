@@ -224,7 +224,6 @@ class Builders:
         *,
         modes: Any,
         solid: str,
-        interfaces: Mapping[str, Any],
         position: Vector | None = None,
         rotation_deg: Vector | None = None,
         velocity: Vector | None = None,
@@ -237,6 +236,7 @@ class Builders:
         damping_ratio: Number | None = None,
         second_order: bool | None = None,
         size: Number | None = None,
+        interfaces: Mapping[str, Any] | None = None,
     ) -> Keys:
         """Add a body of kind "solid": a part from CAD, its axes those of the file.
 
@@ -282,7 +282,8 @@ class Builders:
         size :
             of the cells, over that of the description [m]
         interfaces :
-            named places; some carry the reference condition
+            named places; some carry the reference condition; absent: those of the
+            description
 
         Returns
         -------

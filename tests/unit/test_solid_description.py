@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from plymotion.solver.errors import InputError
+from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.manual import with_keys
 from plymotion.solver.inputs.solid_specification import solid_spec, solid_table
 from plymotion.solver.package.common.plain_data import check_form
@@ -116,6 +117,27 @@ def test_a_med_mesh_keeps_its_groups(tmp_path: Path, monkeypatch: pytest.MonkeyP
     meshio.write("part.med", mesh)
     with pytest.raises(InputError, match=r"solid cell 2 is in 0 sets \(none\)"):
         solid_table(table, tmp_path / "part.toml")
+
+
+def test_a_body_has_the_interfaces_of_its_description(file: Path) -> None:
+    """In metres, whatever the units of both files are; those of a case are in place of them."""
+    text = 'units = "mm"\n[mesh]\nfile = "part.step"\n[materials.m]\nkind = "isotropic"\n'
+    text += "E = 1e9\nnu = 0.3\nrho = 1e3\n[regions.all]\nmaterial = 'm'\n"
+    pin = "bore = { radius = %g, point = [0, 0, 0], direction = [0, 0, 1] }\n"
+    file.write_text(text + "[interfaces.root]\n" + pin % 6.0)
+    case = file.with_name("case.toml")
+    head = 'format = 1\ntitle = "a pin"\n'
+    body = '[bodies.b]\nkind = "solid"\nsolid = "part.toml"\n'
+    body += 'modes = [{ kind = "lowest", count = 1 }]\n'
+    end = "[solver]\nt_end = 1.0\noutput_step = 0.1\n[runs.base]\n"
+    for more, radius in (("", 0.006), ("[bodies.b.interfaces.root]\n" + pin % 0.5, 0.0127)):
+        case.write_text(head + 'units = "in"\n' + body + more + end)
+        places = load_case(case).bodies["base"]["b"].content["interfaces"]
+        assert places["root"]["bore"]["radius"] == pytest.approx(radius, rel=1e-12)
+    file.write_text(text)
+    case.write_text(head + body + end)
+    with pytest.raises(InputError, match=r"bodies\.b\.interfaces"):
+        load_case(case)
 
 
 def test_the_manual_is_that_of_the_models(repository: Path) -> None:

@@ -15,11 +15,21 @@ from ....package.specification import (
     ShellLinkKind,
     SpinningKind,
 )
-from ...common.input_table import FilePath, Name, Oriented, Table, Vector, entry, optional
-from ...common.units import UNITS, unit_of
+from ...common.input_table import (
+    FilePath,
+    Name,
+    Oriented,
+    Table,
+    Vector,
+    entry,
+    optional,
+    validated,
+)
+from ...common.text_file import read_toml
+from ...common.units import UNITS, file_units, unit_of
 from ...section.description import ShapeMesh, shape_or
 from ...shell import LINKS, MOST_REFINED, REFINE
-from ...solid import SolidInterface
+from ...solid import SolidDescription, SolidInterface
 from .laws import FOLDER
 
 DEFAULT_PLACE = "root"  # of a clamped frame
@@ -323,8 +333,8 @@ class ShellBody(Meshed):
 class SolidBody(Meshed):
     """`[bodies.NAME]` with kind = "solid": a part from CAD, its axes those of the file.
 
-    Geometry, materials and regions come from the description; its own interfaces, supports, loads
-    and frequencies are ignored.
+    Geometry, materials and regions come from the description, and the interfaces if the case gives
+    none; its supports, loads and frequencies are ignored.
     """
 
     kind: Literal["solid"]
@@ -333,8 +343,20 @@ class SolidBody(Meshed):
     )
     size: float | None = optional("of the cells, over that of the description", "m", gt=0)
     interfaces: dict[Name, SolidInterface] = entry(
-        "named places; some carry the reference condition", min_length=1
+        "named places; some carry the reference condition; absent: those of the description",
+        default={},
+        min_length=1,
     )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _described(cls, data: Any, info: ValidationInfo) -> Any:
+        if not isinstance(data, dict) or "interfaces" in data or "solid" not in data:
+            return data
+        file = Path((info.context or {}).get(FOLDER, "."), str(data["solid"]))
+        table = read_toml(file, "solid description")
+        found = validated(SolidDescription, table, file, **file_units(table))
+        return {**data, "interfaces": found.interfaces}
 
 
 class RigidBody(Placed):
