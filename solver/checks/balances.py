@@ -14,6 +14,7 @@ from ..dynamics.evaluation.laws import law_at
 from ..dynamics.model.model import AIR_DENSITY, RADIUS, SHEAR, UP
 from ..integrators.generic import advice
 from ..math.catalogue import Number
+from ..math.rows import column
 from ..package import ModalPackage
 from ..package.common.plausible import (
     ANGLE,
@@ -154,9 +155,15 @@ def _angles(mechanism: "Mechanism") -> Iterator[tuple[str, float]]:
     for name, joint in mechanism.joints.items():
         for own in JOINTS[joint.kind].keys:
             if isinstance(own, DrivenBy) and isinstance(own.drive.coordinate, Angle):
-                step = getattr(getattr(joint, own.name), "smooth_step", None)
-                if step is not None:
-                    yield f"joints.{name}.{own.name}.smooth_step.value", step.value
+                law, key = getattr(joint, own.name), f"joints.{name}.{own.name}"
+                if law is None:
+                    continue
+                if law.smooth_step is not None:
+                    yield f"{key}.smooth_step.value", law.smooth_step.value
+                if law.table is not None:
+                    angles = np.abs(column(law.table.values))
+                    if np.isin(angles, (0.0, *DEGREES)).all():  # others are those of a motion
+                        yield f"{key}.table.values", float(angles.max())
 
 
 def _doubts(run: FinishedRun) -> Iterator[tuple[str, Doubt]]:

@@ -140,6 +140,21 @@ def test_limits_in_degrees(tmp_path):
     assert "angle-units" not in meant.codes
 
 
+@pytest.mark.parametrize(
+    ("law", "warned"),
+    [
+        ("smooth_step = { value = 180, duration = 1 }", True),
+        ("table = { times = [0, 1, 2], values = [0, 90, 180] }", True),
+        ("table = { times = [0, 1, 2], values = [0, 90, 181] }", False),
+    ],
+)
+def test_drives_in_degrees(tmp_path, law, warned):
+    bodies = (rigid(name, 1.0, 1.0, {"centre": (0, 0, 0)}) for name in ("wheel", "sled"))
+    text = "".join(bodies) + TURNS.replace("upper = 90.0", "upper = 9.0")
+    found = judged(tmp_path, text + f"[joints.hinge.drive]\n{law}\n", t_end=0.01)
+    assert ("angle-units" in found.codes) == warned
+
+
 def test_what_is_meant_is_accepted(tmp_path):
     spec = {"materials": {"gel": ALUMINIUM | {"E": 100.0, "rho": 1000.0}}}
     package = cantilever()

@@ -278,6 +278,7 @@ def test_the_motion_is_on_the_first_screen(
     assert screen.run(f"{place}.bottom") <= 900
     screen.size(390, 900)
     screen.wait(f"{place}.width < 390")
+    assert screen.run(f"{place}.height") >= 300  # the axes then lie beside the mechanism
     assert screen.run("document.documentElement.scrollWidth") <= 390
     assert screen.run(f"{place}.bottom") <= 900
     assert screen.errors() == []

@@ -23,7 +23,7 @@ def test_a_line_for_what_takes_long(capsys, monkeypatch):
             time.sleep(0.01)
             told += capsys.readouterr().err
     finally:
-        beat.end()
+        beat.close()
     assert re.fullmatch(r"((starting|two: meshing), \d+ s\n)+", told)
     assert "two: meshing" in told
 

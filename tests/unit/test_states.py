@@ -1,5 +1,7 @@
 """`[states]`: values by differential equations that expressions read."""
 
+import re
+
 import numpy as np
 import pytest
 from samples.case_samples import run_text
@@ -58,3 +60,26 @@ def test_wrong_rates_are_named(tmp_path, given, words):
     text = TEXT.replace("w * (state('slow') - state('twice'))", given)
     with pytest.raises(InputError, match=words):
         run_text(tmp_path, text, t_end=2.0, step=0.1)
+
+
+def test_the_latch_of_the_page(repository, tmp_path):
+    """A hinge that a torque opens stays where it is locked, against three times that torque."""
+    page = (repository / "docs/friction.md").read_text("utf-8")
+    (latch,) = re.findall(r"^```toml\n(.*?)^```", page, re.MULTILINE | re.DOTALL)
+    text = TEXT.split("[joints.j]")[0].replace("w = 3.0", "opened = 1.5") + latch
+    text += """[joints.hinge]
+kind = "revolute"
+between = ["ground.o", "b.o"]
+[forces.spring]
+kind = "coordinate_force"
+joint = "hinge"
+expression = "2 - 8*step(t - 3)"
+[signals]
+x = { kind = "joint", joint = "hinge", coordinate = "angle" }
+"""
+    t, found, summary = run_text(tmp_path, text, t_end=6.0, step=0.1)
+    free = t < np.sqrt(1.5)
+    np.testing.assert_allclose(found["x"][free], t[free] ** 2, atol=1e-6)
+    np.testing.assert_allclose(found["x"][t > 2.0], 1.5, atol=0.03)
+    assert found["x"][-1] == pytest.approx(1.5 - 6.0 / 5e3, abs=1e-4)
+    assert summary["warnings"] == []

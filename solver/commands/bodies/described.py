@@ -28,8 +28,8 @@ LONGER = 2.0  # time from one line to the next over that before
 class Heartbeat:
     """Prints the latest step and the time on standard error, less and less often."""
 
-    def __init__(self) -> None:
-        self.doing = "starting"
+    def __init__(self, doing: str = "starting") -> None:
+        self.doing = doing
         self._begin = time.monotonic()
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._beat, daemon=True)
@@ -42,7 +42,7 @@ class Heartbeat:
             print(f"{self.doing}, {seconds:.0f} s", file=sys.stderr, flush=True)
             pause *= LONGER
 
-    def end(self) -> None:
+    def close(self) -> None:
         """Print no more."""
         self._ended.set()
         self._thread.join()
@@ -241,7 +241,7 @@ class _Bar:
 
     def __exit__(self, *_: object) -> None:
         if self.heartbeat:
-            self.heartbeat.end()
+            self.heartbeat.close()
         if self.bar is not None:
             self.bar.close()
 

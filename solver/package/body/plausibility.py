@@ -153,10 +153,15 @@ def _modal_mass(package: ModalPackage) -> Iterator[Remark]:
     lumped = package.invariants.mass_form == "lumped"
     if smallest < -(LUMPED_T11 if lumped else CONSISTENCY):
         text = (
-            "its trace exceeds the modal mass: the rotary part would be negative "
-            f"(scaled smallest eigenvalue {smallest:.3g})"
+            f"the mass of translation of a mode (trace) exceeds its modal mass by "
+            f"{-100.0 * smallest:.2g} %: its rotary inertia would be negative"
         )
-        text += "; with lumped masses, a finer mesh brings it closer to zero" if lumped else ""
+        if lumped:
+            text += (
+                ". It is a sum over nodes, as the mass matrix does not tell it exactly "
+                "(docs/exchange.md, What is computed): centrifugal and Coriolis forces of the "
+                "modes have about this error, frequencies have not. A finer mesh makes it smaller"
+            )
         yield _finding("warning" if lumped else "error", "invariants/T11_B", text)
     gap = float(np.abs(package.mass - np.eye(package.n_mode)).max())
     if gap > CONSISTENCY:

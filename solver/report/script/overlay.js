@@ -49,7 +49,7 @@ function drawCoil(pen, a, b, ratio) {
 }
 
 function drawAxes(pen, camera, height, ratio) {
-  const [right, above] = cameraAxes(camera), size = 26 * ratio, x = 40 * ratio, y = height - 40 * ratio;
+  const [right, above] = cameraAxes(camera), size = Math.min(26 * ratio, 0.06 * height), x = 1.5 * size, y = height - x;
   pen.font = `${12 * ratio}px system-ui, sans-serif`;
   pen.fillStyle = pen.strokeStyle = shade('--grey');
   pen.lineWidth = 1.5 * ratio;

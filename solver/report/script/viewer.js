@@ -75,7 +75,7 @@ function tellTime() {
 
 function fitCanvas() {
   const stage = field('stage'), ratio = Math.min(devicePixelRatio || 1, 2);
-  const width = Math.max(stage.clientWidth, 200), height = Math.round(Math.min(0.6 * width, 560));
+  const width = Math.max(stage.clientWidth, 200), height = Math.round(Math.min(Math.max(0.6 * width, 300), 560));
   for (const canvas of [field('canvas'), field('overlay')]) {
     canvas.style.height = `${height}px`;
     canvas.width = Math.round(width * ratio);
