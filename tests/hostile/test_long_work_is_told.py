@@ -9,13 +9,13 @@ import time
 import pytest
 from harness.hostile_profile import LONG, WAIT_S
 
-from plymotion.solver.commands.bodies import described
+from plymotion.solver.studies import exit_codes
 
 
 def test_a_line_for_what_takes_long(capsys, monkeypatch):
-    assert described.FIRST_S < 2.0
-    monkeypatch.setattr(described, "FIRST_S", 0.01)
-    beat = described.Heartbeat()
+    assert exit_codes.FIRST_S < 2.0
+    monkeypatch.setattr(exit_codes, "FIRST_S", 0.01)
+    beat = exit_codes.Heartbeat()
     told = ""
     try:
         beat.doing = "two: meshing"

@@ -4,7 +4,6 @@ import argparse
 import re
 import sys
 import tempfile
-import threading
 import time
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import nullcontext
@@ -13,40 +12,12 @@ from typing import Any
 
 from ...errors import InputError
 from ...report.table import json_text
+from ...studies.exit_codes import Heartbeat
 from ...system.interrupts import INTERRUPTED
 from ...workers.described import Entry, Made, Request, SpecOf, made_files, make_files, write_specs
 from ...workers.executors import executor_of
 from ...workers.launch import kept_preprocessors, mpi_job
 from ..arguments import FOLDERS
-
-# Lines that say what a long command is doing, where there is no progress bar.
-
-FIRST_S = 1.5  # a user waits two seconds for a sign of life
-LONGER = 2.0  # time from one line to the next over that before
-
-
-class Heartbeat:
-    """Prints the latest step and the time on standard error, less and less often."""
-
-    def __init__(self, doing: str = "starting") -> None:
-        self.doing = doing
-        self._begin = time.monotonic()
-        self._ended = threading.Event()
-        self._thread = threading.Thread(target=self._beat, daemon=True)
-        self._thread.start()
-
-    def _beat(self) -> None:
-        pause = FIRST_S
-        while not self._ended.wait(pause):
-            seconds = time.monotonic() - self._begin
-            print(f"{self.doing}, {seconds:.0f} s", file=sys.stderr, flush=True)
-            pause *= LONGER
-
-    def close(self) -> None:
-        """Print no more."""
-        self._ended.set()
-        self._thread.join()
-
 
 # What is shown of results files: numbers or JSON, failures, names of files.
 
