@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 
 from ..report.table import aligned, json_text
-from ..studies.exit_codes import Heartbeat
 from ..studies.modes.files import modes_content, write_campbell, write_modes
 from ..studies.modes.found import Diagram, Spins, find_modes, response_of, span_of
 from ..studies.modes.place import at_of
 from ..studies.modes.state import States, read_spec
+from .heartbeat import Heartbeat
 
 # Modes as a table for the screen.
 

@@ -15,9 +15,10 @@ from ..studies.design.design_text import outcome_lines
 from ..studies.design.problem import FEASIBLE
 from ..studies.design.study import optimise
 from ..studies.design.trials import StudySpec
-from ..studies.exit_codes import INCOMPLETE, Heartbeat
+from ..studies.exit_codes import INCOMPLETE
 from ..system.interrupts import INTERRUPTED
 from ..workers.executors import executor_of
+from .heartbeat import Heartbeat
 
 
 def run_optimise(options: argparse.Namespace) -> int:

@@ -9,13 +9,13 @@ import time
 import pytest
 from harness.hostile_profile import LONG, WAIT_S
 
-from plymotion.solver.studies import exit_codes
+from plymotion.solver.commands import heartbeat
 
 
 def test_a_line_for_what_takes_long(capsys, monkeypatch):
-    assert exit_codes.FIRST_S < 2.0
-    monkeypatch.setattr(exit_codes, "FIRST_S", 0.01)
-    beat = exit_codes.Heartbeat()
+    assert heartbeat.FIRST_S < 2.0
+    monkeypatch.setattr(heartbeat, "FIRST_S", 0.01)
+    beat = heartbeat.Heartbeat()
     told = ""
     try:
         beat.doing = "two: meshing"

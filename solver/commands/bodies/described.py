@@ -12,12 +12,12 @@ from typing import Any
 
 from ...errors import InputError
 from ...report.table import json_text
-from ...studies.exit_codes import Heartbeat
 from ...system.interrupts import INTERRUPTED
 from ...workers.described import Entry, Made, Request, SpecOf, made_files, make_files, write_specs
 from ...workers.executors import executor_of
 from ...workers.launch import kept_preprocessors, mpi_job
 from ..arguments import FOLDERS
+from ..heartbeat import Heartbeat
 
 # What is shown of results files: numbers or JSON, failures, names of files.
 
