@@ -1,7 +1,6 @@
 """The command `plymotion modes`."""
 
 import argparse
-from contextlib import closing, nullcontext
 from math import pi
 from pathlib import Path
 from typing import Any
@@ -13,7 +12,6 @@ from ..studies.modes.files import modes_content, write_campbell, write_modes
 from ..studies.modes.found import Diagram, Spins, find_modes, response_of, span_of
 from ..studies.modes.place import at_of
 from ..studies.modes.state import States, read_spec
-from .heartbeat import Heartbeat
 
 # Modes as a table for the screen.
 
@@ -111,11 +109,6 @@ def _bodies(mode: dict[str, Any]) -> str:
 
 def run_modes(options: argparse.Namespace) -> int:
     """Linearise a run about a state; return 0."""
-    with nullcontext() if options.quiet else closing(Heartbeat(f"modes at {options.at}")):
-        return _modes(options)
-
-
-def _modes(options: argparse.Namespace) -> int:
     at = at_of(options.at)
     span = None if options.response is None else span_of(options.response)
     spec, build = read_spec(

@@ -2,7 +2,6 @@
 
 import argparse
 import sys
-from contextlib import closing, nullcontext
 from pathlib import Path
 
 from ..errors import InputError, few, nearest
@@ -18,7 +17,6 @@ from ..studies.design.trials import StudySpec
 from ..studies.exit_codes import INCOMPLETE
 from ..system.interrupts import INTERRUPTED
 from ..workers.executors import executor_of
-from .heartbeat import Heartbeat
 
 
 def run_optimise(options: argparse.Namespace) -> int:
@@ -37,11 +35,9 @@ def run_optimise(options: argparse.Namespace) -> int:
     given = StudySpec(table, file, options.coarse, name, folder / "studies" / name)
     with folder_lock(folder):
         try:
-            beat = nullcontext() if options.quiet else closing(Heartbeat(f"study {name}"))
-            with beat:
-                outcome = optimise(
-                    given, lambda: executor_of(options), fresh=options.fresh, show=not options.quiet
-                )
+            outcome = optimise(
+                given, lambda: executor_of(options), fresh=options.fresh, show=not options.quiet
+            )
         except KeyboardInterrupt:
             message = "interrupted: designs that were computed are kept; the same command continues"
             print(f"{name}: {message}", file=sys.stderr)

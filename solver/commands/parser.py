@@ -2,6 +2,7 @@
 
 import argparse
 import gc
+from contextlib import closing, nullcontext
 from importlib import import_module
 from typing import Any
 
@@ -11,6 +12,7 @@ from ..system.interrupts import starting
 from . import body_arguments as bodies
 from . import case_arguments as cases
 from .arguments import COMMAND, CommandParser, command, flag
+from .heartbeat import Heartbeat
 
 EPILOG = """\
 examples:
@@ -60,6 +62,7 @@ COMMANDS = (
 )
 
 
+TOLD = ("modes", "optimise", "plan", "sensitivities", "export")  # commands that say little while they work
 NAMES = [add.__name__ for add in COMMANDS]
 
 
@@ -94,4 +97,6 @@ def run_command(options: argparse.Namespace) -> int:
             function = getattr(import_module(f".{module}", __package__), name)
     finally:
         gc.enable()
-    return int(function(options))
+    told = name.removeprefix("run_") in TOLD and not getattr(options, "quiet", False)
+    with closing(Heartbeat(name.removeprefix("run_"))) if told else nullcontext():
+        return int(function(options))

@@ -12,6 +12,7 @@ from scipy.integrate import solve_ivp
 
 import plymotion as pm
 from plymotion.solver.__main__ import main
+from plymotion.solver.commands import heartbeat
 from plymotion.solver.package.common.files import RECORD
 from plymotion.solver.studies.modes.found import draw
 
@@ -120,6 +121,13 @@ def test_a_diagram_is_drawn_where_its_lines_cross(repository, tmp_path):
     labels = re.findall(r"<!-- (\S+) -->\s*<g [^>]*translate\(\S+ (\S+)\) scale\(0.08 ", drawn)
     assert sorted(text for text, _ in labels) == ["1", "1P", "2", "2P", "3", "3P", "4", "4P"]
     assert min(np.diff(sorted(float(height) for _, height in labels))) > 9.0  # [pt]
+
+
+def test_it_says_that_it_works(case, capsys, monkeypatch):
+    monkeypatch.setattr(heartbeat, "FIRST_S", 1e-3)
+    for options, told in (([], True), (["--quiet"], False)):
+        assert main(["modes", str(case), "--shapes", "0", *options]) == 0
+        assert ("modes, 0 s" in capsys.readouterr().err) == told
 
 
 def test_no_such_file(tmp_path, capsys):
