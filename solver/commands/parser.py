@@ -62,7 +62,8 @@ COMMANDS = (
 )
 
 
-TOLD = ("modes", "optimise", "plan", "sensitivities", "export")  # commands that say little while they work
+# Commands that say little while they work.
+TOLD = ("modes", "optimise", "plan", "sensitivities", "export")
 NAMES = [add.__name__ for add in COMMANDS]
 
 
