@@ -218,10 +218,10 @@ def derivatives(
     """
     state = central(result, asked[0].lay.stiffness)
     solver: Solver
-    if factorised is None:
-        assert isinstance(state.at, TwistedStrains)
-        solver = Equations(state.at, state.C)
+    if isinstance(result, CentralSolutions):
+        solver = result.equations
     else:
+        assert factorised is not None
         solver = PrismaticSolver(result, state, factorised)
     at, by_parameter = Recovered(space, lay, strain, state), dict[str, dict[str, Array]]()
     for first in range(0, len(asked), AT_ONCE):

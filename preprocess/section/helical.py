@@ -277,11 +277,15 @@ class CentralSolutions:
     Q: Array  # (n_dof, 6) change of the displacement along the beam
     S_e: Array  # (6, 6) beam strains of the pinned warping
     residual: float  # of the equilibrium at all nodes, relative
-    strains: TwistedStrains  # operators of the space of W and Q
-    growth: float  # of a random load by the factorised matrix
+    equations: "Equations"  # with their factors
     solvability: float = 0.0  # the equations have a solution for every k
     round_off: Array | None = None  # (6, 6) of K, in its units, None if it is negligible
     doubtful: bool = False  # its condition would be refused without `allow`
+
+    @property
+    def strains(self) -> TwistedStrains:
+        """Operators of the space of W and Q."""
+        return self.equations.strains
 
     @property
     def space(self) -> SectionSpace:
@@ -402,4 +406,4 @@ def _solution(equations: Equations, W: Array, S_e: Array) -> CentralSolutions:
         raise SectionError("the stiffness of the section is not positive definite")
     norm = np.abs(strains.load_in_section(np.abs(stress))).max()
     left = float(np.abs(balance).max() / norm)
-    return CentralSolutions(K, W, Q, S_e, left, strains, equations.growth)
+    return CentralSolutions(K, W, Q, S_e, left, equations)

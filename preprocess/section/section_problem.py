@@ -198,7 +198,7 @@ class SectionProblem:
         limit = np.inf if doubtful else LARGEST_GROWTH
         if k is not None:
             solutions = central_solutions(space, k, C, limit, is_enough)
-            self._growth = solutions.growth
+            self._growth = solutions.equations.growth
             return solutions
         solver = self.solver_of(space)
         solver.largest_growth, solver.shift = limit, shift
