@@ -11,7 +11,7 @@ import os
 import sys
 import time
 import traceback
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -24,14 +24,17 @@ class BatchError(Exception):
     """A specification that cannot be read."""
 
 
+Made = tuple[str, Sequence[dict[str, str]]]  # a one-line summary, and the coded warnings
+
+
 class Product(Protocol):
     """Makes one file from one specification."""
 
-    def unchanged(self, target: Path, spec: dict[str, Any]) -> bool:
+    def unchanged(self, target: Path, spec: Mapping[str, object]) -> bool:
         """True if the target is a valid file made from the same inputs."""
 
-    def make(self, spec: dict[str, Any], target: Path) -> tuple[str, Sequence[dict[str, str]]]:
-        """Write the target; returns a one-line summary and the coded warnings."""
+    def make(self, spec: Mapping[str, object], target: Path) -> Made:
+        """Write the target."""
 
 
 @dataclass(frozen=True)
@@ -120,7 +123,7 @@ def print_outcome(outcome: Outcome, place: str) -> None:
     print(f"error: {outcome.spec}: {outcome.error}", file=sys.stderr, flush=True)
 
 
-def _read(path: Path) -> dict[str, object]:
+def _read(path: Path) -> Mapping[str, object]:
     try:
         spec = json.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError as error:
@@ -153,7 +156,7 @@ def reporter(as_json: bool, first: bool) -> Iterator[tuple[Report, Progress | No
     lines = os.dup(1)
     os.dup2(2, 1)
 
-    def write(content: dict[str, Any]) -> None:
+    def write(content: dict[str, object]) -> None:
         os.write(lines, (json.dumps(content) + "\n").encode())
 
     try:

@@ -3,9 +3,8 @@
 import functools
 import json
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
 
 from ..solver.package.body.package_schema import ModalPackage, SectionData
 from ..solver.package.common.design import moved
@@ -33,7 +32,7 @@ from .section.section_analysis import analyse
 RECOVERY_DEGREE = 3
 
 
-def build_body(spec: dict[str, Any]) -> ModalPackage:
+def build_body(spec: Mapping[str, object]) -> ModalPackage:
     """Build the package of a beam, a shell or a solid.
 
     Parameters
@@ -46,20 +45,20 @@ def build_body(spec: dict[str, Any]) -> ModalPackage:
     ModeError : fewer modes of a kind than requested
     Errors of the analysis (material, mesh) pass through.
     """
-    if isinstance(spec, dict) and spec.get("kind") == "shell":
+    if spec.get("kind") == "shell":
         from .shell.body.shell_body import (
             build_shell_body,  # imported here because beams do not need it
         )
 
         return build_shell_body(spec)
-    if isinstance(spec, dict) and spec.get("kind") == "solid":
+    if spec.get("kind") == "solid":
         from .solid.solid_body import build_solid_body
 
         return build_solid_body(spec)
     return _build_beam(spec)
 
 
-def _build_beam(spec: dict[str, object]) -> ModalPackage:
+def _build_beam(spec: Mapping[str, object]) -> ModalPackage:
     """Analyse the section, solve the modes and collect the package of one beam.
 
     The eigenproblem and the inertia invariants use the same mass: the
@@ -134,7 +133,7 @@ class BeamSections:
     """The sections of a beam: given, or analysed with their derivatives by design parameters."""
 
     def __init__(
-        self, spec: dict[str, Any], beam: BeamSpec, parameters: Sequence[Parameter]
+        self, spec: Mapping[str, object], beam: BeamSpec, parameters: Sequence[Parameter]
     ) -> None:
         self._theory, self._places, self._files = beam.theory, [], []
         self._tables = [{k: v for k, v in t.items() if k != "name"} for t in beam.sections]

@@ -10,6 +10,7 @@ from ..solver.errors import did_you_mean, few
 from ..solver.math.arrays import Array
 from ..solver.package.common.design import PLACES, TWO_PLACES, difference
 from ..solver.package.common.plain_data import expected
+from ..solver.package.specification import DesignTarget
 
 KINDS = {"angle_deg": "angle", "thickness": "thickness"}
 NEAR = 0.01  # times the distances of places, where a model moves along its derivatives
@@ -37,7 +38,7 @@ class Target:
         return KINDS.get(str(self.keys[-1]), "number")
 
     @property
-    def table(self) -> dict[str, Any]:
+    def table(self) -> DesignTarget:
         """The target as a table."""
         return {"of": self.path, "factor": self.factor, "offset": self.offset}
 
@@ -81,11 +82,11 @@ class Parameter:
             spec = spec[key]
         return spec
 
-    def below(self, keys: Sequence[Key]) -> list[dict[str, Any]]:
+    def below(self, keys: Sequence[Key]) -> list[DesignTarget]:
         """The targets below some keys, as tables."""
         n = len(keys)
         own = [t for t in self.targets if t.keys[:n] == tuple(keys)]
-        return [t.table | {"of": list(t.keys[n:])} for t in own]
+        return [{**t.table, "of": [*map(str, t.keys[n:])]} for t in own]
 
     def quotient(self, value: Callable[[float], Array]) -> Any:
         """Derivative of an array as a function of the distance that the parameter is moved."""
@@ -99,7 +100,7 @@ class Parameter:
 
 def read_parameters(
     spec: Mapping[str, Any],
-    design: Mapping[str, Sequence[Mapping[str, Any]]],
+    design: Mapping[str, Sequence[DesignTarget]],
     allowed: Sequence[str],
     what: str,
     step: Step,

@@ -7,16 +7,16 @@ import math
 import os
 import sys
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 from ..solver.errors import InputError
 from ..solver.package.common.container import has_fingerprint
-from ..solver.package.common.plain_data import SpecError, by_mesh, mesh_key, share
-from ..solver.package.specification import fingerprint
-from .batch import Progress, build_all, reporter
+from ..solver.package.common.plain_data import SpecError, by_mesh, check_form, mesh_key, share
+from ..solver.package.specification import DesignTarget, fingerprint
+from .batch import Made, Progress, build_all, reporter
 
 # Environment variables that the common MPI launchers set.
 LAUNCHERS = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_RANK", "MPI_LOCALNRANKS")
@@ -25,16 +25,16 @@ LAUNCHERS = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_RANK", "MPI_LOCALNRANKS")
 class BodyPackages:
     """Makes the modal package of one body from its specification."""
 
-    def unchanged(self, target: Path, spec: dict[str, Any]) -> bool:
+    def unchanged(self, target: Path, spec: Mapping[str, object]) -> bool:
         """True if the target is a valid package made from the same inputs."""
         return has_fingerprint(target, fingerprint(spec))
 
-    def make(self, spec: dict[str, Any], target: Path) -> tuple[str, list[dict[str, str]]]:
+    def make(self, spec: Mapping[str, object], target: Path) -> Made:
         """Build and write the package; FEniCSx is loaded only if it is needed."""
         from ..solver.package.validation import write_valid
 
         start = time.perf_counter()
-        kind = spec.get("kind") if isinstance(spec, dict) else None
+        kind = spec.get("kind")
         if kind in ("imported", "solid") and spec.get("design"):
             raise SpecError(
                 f"design: a body of kind {kind!r} has no derivatives by design parameters; "
@@ -75,11 +75,11 @@ class AnalysedFiles:
     ) -> None:
         self.options, self.team, self.progress = options, team, progress
 
-    def inputs(self, spec: dict[str, Any]) -> dict[str, Any]:
+    def inputs(self, spec: Mapping[str, object]) -> dict[str, object]:
         """All inputs of a file, for its fingerprint."""
         raise NotImplementedError
 
-    def analyse(self, spec: dict[str, Any], **team: Any) -> Any:
+    def analyse(self, spec: Mapping[str, object], **team: Any) -> Any:
         """Results of a specification; `team` has the processes that share the work, if any."""
         raise NotImplementedError
 
@@ -87,13 +87,13 @@ class AnalysedFiles:
         """Write the file."""
         raise NotImplementedError
 
-    def unchanged(self, target: Path, spec: dict[str, Any]) -> bool:
+    def unchanged(self, target: Path, spec: Mapping[str, object]) -> bool:
         """True if the target was made from the same inputs; the same on all ranks."""
         first = self.team is None or self.team.rank == 0
         same = first and has_fingerprint(target, fingerprint(self.inputs(spec)))
         return bool(same if self.team is None else self.team.broadcast(same))
 
-    def make(self, spec: dict[str, Any], target: Path) -> tuple[str, Sequence[dict[str, str]]]:
+    def make(self, spec: Mapping[str, object], target: Path) -> Made:
         """Analyse and write the file."""
         with self._together():
             result = self.analyse(spec, **({} if self.team is None else {"team": self.team}))
@@ -121,7 +121,7 @@ class AnalysedFiles:
 class SectionFiles(AnalysedFiles):
     """Writes the section file of each specification."""
 
-    def inputs(self, spec: dict[str, Any]) -> dict[str, Any]:
+    def inputs(self, spec: Mapping[str, object]) -> dict[str, object]:
         """Specification, options and format."""
         from ..solver.package.section.section_schema import SECTION_FORMAT_VERSION
 
@@ -130,14 +130,14 @@ class SectionFiles(AnalysedFiles):
             given["verify"] = True
         return {"spec": spec, "options": given, "format": list(SECTION_FORMAT_VERSION)}
 
-    def analyse(self, spec: dict[str, Any], **team: Any) -> Any:
+    def analyse(self, spec: Mapping[str, object], **team: Any) -> Any:
         """Analyse the section."""
         from .section.section_analysis import analyse  # loads FEniCSx
 
         return analyse(
             {key: value for key, value in spec.items() if key != "design"},
             "section",  # the same for all sections: it is part of the key of a cached mesh
-            design=spec.get("design"),
+            design=check_form(spec.get("design", {}), dict[str, list[DesignTarget]], "design"),
             estimate=not self.options.no_estimate,
             accuracy=self.options.accuracy,
             verify=self.options.verify,
@@ -155,14 +155,14 @@ class SectionFiles(AnalysedFiles):
 class ShellFiles(AnalysedFiles):
     """Writes the results file of each shell."""
 
-    def inputs(self, spec: dict[str, Any]) -> dict[str, Any]:
+    def inputs(self, spec: Mapping[str, object]) -> dict[str, object]:
         """Specification, options and format."""
         from ..solver.package.shell.shell_schema import SHELL_FORMAT_VERSION
 
         given = {"options": {"verify": True}} if self.options.verify else {}
         return {"spec": spec, "format": list(SHELL_FORMAT_VERSION), **given}
 
-    def analyse(self, spec: dict[str, Any], **team: Any) -> Any:
+    def analyse(self, spec: Mapping[str, object], **team: Any) -> Any:
         """Analyse the shell."""
         from .shell.analyses.shell_analysis import analyse  # loads FEniCSx
 

@@ -1,9 +1,8 @@
 """Provenance of a modal package, for its reader and for the next build."""
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
-from typing import Any
 
 from .. import __version__
 from ..solver.package.specification import fingerprint
@@ -13,11 +12,11 @@ LONGEST = 40_000  # characters of a specification in a package; an attribute has
 
 
 def body_provenance(
-    spec: dict[str, Any],
+    spec: Mapping[str, object],
     dofs: dict[str, int],
     seconds: dict[str, float],
     warnings: Sequence[dict[str, str]],
-) -> dict[str, Any]:
+) -> dict[str, object]:
     """Provenance of the package of a beam or a shell.
 
     Parameters

@@ -1,9 +1,9 @@
 """Specification of a beam body, and the modes of a body specification."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
@@ -147,7 +147,7 @@ class BeamSpec:
     nodes_B: Array | None
     A_BE: Array
     stations: tuple[float, ...]
-    sections: tuple[dict[str, Any], ...]
+    sections: tuple[dict[str, object], ...]
     theory: str
     mass_form: str
     interfaces: dict[str, float]
@@ -157,15 +157,14 @@ class BeamSpec:
     errors: bool = False
 
 
-def read_spec(spec: dict[str, object]) -> BeamSpec:
+def read_spec(spec: Mapping[str, object]) -> BeamSpec:
     """Read a specification (solver/package/specification.py).
 
     Raises
     ------
     SpecError : an unknown or missing key, a value of another type, an interface without position.
     """
-    check_form(spec, BeamSpecification)
-    table = cast(BeamSpecification, spec)
+    table = check_form(spec, BeamSpecification)
     places = {name: entry["at"] for name, entry in table["interfaces"].items()}
     interfaces = {n: ENDS[at] if isinstance(at, str) else float(at) for n, at in places.items()}
     stations = table.get("stations") or [{"at": 0.0, "section": table["section"]}]

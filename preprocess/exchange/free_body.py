@@ -195,7 +195,7 @@ class FreeBody:
     dof_node: IntArray
     dof_direction: IntArray
     groups: dict[str, IntArray] = field(default_factory=dict)
-    notes: dict[str, Any] = field(default_factory=dict)
+    notes: dict[str, object] = field(default_factory=dict)
     layups: Layups | None = None
 
     def rigid_motions(self) -> Array:

@@ -4,8 +4,9 @@ import dataclasses
 import importlib
 import time
 import tomllib
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, cast, get_args
+from typing import cast, get_args
 
 from numpy.linalg import LinAlgError
 from scipy.sparse.linalg import ArpackError
@@ -30,7 +31,7 @@ DAMAGE = (
 )
 
 
-def read_table(file: Path) -> dict[str, Any]:
+def read_table(file: Path) -> ImportFile:
     """The table of an import file, with its form checked. Raises InputError."""
     try:
         table = tomllib.loads(file.read_text(encoding="utf-8"))
@@ -41,19 +42,18 @@ def read_table(file: Path) -> dict[str, Any]:
     return checked(table, str(file))
 
 
-def checked(table: dict[str, Any], where: str) -> dict[str, Any]:
+def checked(content: Mapping[str, object], where: str) -> ImportFile:
     """Return the table of an import file with the default of `reference`, that of a case.
 
     Raises
     ------
     InputError : a key that is unknown or missing, or a value of another type.
     """
-    reference = table.get("reference", {"kind": "clamped"})
+    reference = content.get("reference", {"kind": "clamped"})
     if isinstance(reference, dict) and reference.get("kind") == "clamped":
         reference = {"at": "root", **reference}
-    table = {**table, "reference": reference}
     try:
-        check_form(table, ImportFile)
+        table = check_form({**content, "reference": reference}, ImportFile)
     except SpecError as error:
         raise InputError(f"{where}: {error}") from error
     names = [("body", table["body"]), *(("interfaces", name) for name in table["interfaces"])]
@@ -67,7 +67,7 @@ def checked(table: dict[str, Any], where: str) -> dict[str, Any]:
 
 
 def imported(
-    table: dict[str, Any],
+    table: ImportFile,
     folder: Path,
     where: str,
     source: "str | None" = None,
@@ -126,13 +126,12 @@ def _unchanged(folder: Path, digests: dict[str, str]) -> None:
             raise InputError(f"{path}: changed since `plymotion check`; check the case again")
 
 
-def build_imported(content: dict[str, Any]) -> ModalPackage:
+def build_imported(content: Mapping[str, object]) -> ModalPackage:
     """Read and reduce the matrices that a specification names.
 
     Raises SpecError: a wrong key or file, or matrices that are not those of a free body.
     """
-    check_form(content, ImportedSpecification)
-    spec = cast(ImportedSpecification, content)
+    spec = check_form(content, ImportedSpecification)
     file = Path(spec["file"])
     start = time.perf_counter()
     try:

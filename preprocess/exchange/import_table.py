@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any, Literal, NotRequired, TypedDict
+from typing import Literal, NotRequired, TypedDict
 
 from ... import __version__
 from ...solver.errors import InputError, nearest
@@ -74,14 +74,14 @@ class Reduction(TypedDict):
     damping_ratio: NotRequired[float]
 
 
-class ImportFile(Reduction):
-    """The whole file; `from` is a word of Python, so the table is written as a dictionary."""
+_From = TypedDict("_From", {"from": NotRequired[Source]})  # a word of Python
+
+
+class ImportFile(Reduction, _From):
+    """The whole file."""
 
     format: Literal[1]
-    files: dict[str, Any]
-
-
-ImportFile.__annotations__["from"] = NotRequired[Source]
+    files: dict[str, object]
 
 
 def damping_ratio(table: Reduction, where: str) -> float:
@@ -93,7 +93,9 @@ def damping_ratio(table: Reduction, where: str) -> float:
     return ratio
 
 
-def provenance(table: Any, notes: dict[str, Any], nodes: int, form: str) -> dict[str, Any]:
+def provenance(
+    table: Reduction, notes: dict[str, object], nodes: int, form: str
+) -> dict[str, object]:
     """Where a package comes from."""
     return {
         "plymotion": __version__,
@@ -109,7 +111,7 @@ def provenance(table: Any, notes: dict[str, Any], nodes: int, form: str) -> dict
 class Files:
     """The table `files` of an import file; paths are relative to its folder."""
 
-    def __init__(self, table: Mapping[str, Any], folder: Path, where: str) -> None:
+    def __init__(self, table: Mapping[str, object], folder: Path, where: str) -> None:
         self.table, self.folder, self.where = table, folder, where
         self._hashes: dict[str, str] = {}
 
@@ -138,6 +140,10 @@ class Files:
             self._hashes[key] = file_sha256(path)
         return path
 
+    def beside_deck(self, suffix: str) -> str:
+        """Name of a file beside `deck`, of the same stem."""
+        return str(Path(str(self.table["deck"])).with_suffix(suffix))
+
     def latest(self) -> str:
         """Key and name of the file that was asked for last, for messages."""
         key = next(reversed(self._hashes), "")
@@ -146,7 +152,7 @@ class Files:
     def __contains__(self, key: str) -> bool:
         return key in self.table
 
-    def notes(self) -> dict[str, Any]:
+    def notes(self) -> dict[str, object]:
         """Names and hashes of the files that were read, for the provenance."""
         names = {key: str(self.table[key]) for key in self._hashes}
         return {"files": names, "sha256": self._hashes}

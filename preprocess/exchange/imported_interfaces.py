@@ -4,6 +4,7 @@ A face or an edge shares its area or length among its nodes as the diagonal of i
 all shares are positive, also those of the corners of a face with nodes on its sides.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, NamedTuple, Protocol
@@ -17,6 +18,7 @@ from ...solver.math.rotations import vector_to_matrix
 from ...solver.package.body.invariants import rigid_motions
 from ...solver.package.common.cells import SOLID_FACES, corners_of
 from .free_body import Cells, FreeBody
+from .import_table import InterfaceTable
 
 # VTK type -> faces, or edges of a flat cell: nodes at the corners, then on the sides.
 _EDGES = {22: ((0, 1, 3), (1, 2, 4), (2, 0, 5)), 23: ((0, 1, 4), (1, 2, 5), (2, 3, 6), (3, 0, 7))}
@@ -127,7 +129,7 @@ class Constrained(NamedTuple):
     reference_dofs: dict[str, IntArray]
 
 
-def links(body: FreeBody, tables: dict[str, Any], length: float) -> list[Link]:
+def links(body: FreeBody, tables: Mapping[str, InterfaceTable], length: float) -> list[Link]:
     """Interfaces in the order of `tables`.
 
     Parameters
@@ -142,7 +144,7 @@ def links(body: FreeBody, tables: dict[str, Any], length: float) -> list[Link]:
     return [_link(body, name, table, length) for name, table in tables.items()]
 
 
-def _link(body: FreeBody, name: str, table: dict[str, Any], length: float) -> Link:
+def _link(body: FreeBody, name: str, table: InterfaceTable, length: float) -> Link:
     where = f"{body.where}: interfaces.{name}"
     rows = interface_rows(body, table, length, where)
     if table.get("weights", "equal") == "area":

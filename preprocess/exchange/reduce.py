@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 import scipy.linalg
@@ -127,18 +127,17 @@ def from_matrices(
     InputError : the matrices are not those of one free body, or a request cannot be fulfilled.
     """
     where = "from_matrices"
-    table: dict[str, Any] = {
+    table = {
         "body": body,
         "reference": dict(reference),
         "modes": [dict(mode) for mode in modes],
         "interfaces": {name: dict(entry) for name, entry in interfaces.items()},
         "units": dict(units),
         "damping_ratio": damping_ratio,
+        **({} if total_mass is None else {"total_mass": total_mass}),
     }
-    if total_mass is not None:
-        table["total_mass"] = total_mass
     try:
-        check_form(table, Reduction)
+        reduction = check_form(table, Reduction)
     except SpecError as error:
         raise InputError(f"{where}: {error}") from error
     points = np.asarray(nodes, dtype=float)
@@ -151,7 +150,7 @@ def from_matrices(
     source = free_body(
         where, K, M, points, ids, numbers, labelled_cells(cells, cell_types, ids, where)
     )
-    return reduce_body(source, cast(Reduction, table), tell)
+    return reduce_body(source, reduction, tell)
 
 
 def _modes(

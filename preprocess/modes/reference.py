@@ -36,29 +36,28 @@ class ModeError(Exception):
     """The model does not have the requested modes, or modes fail their checks."""
 
 
-# Of SuperLU, for matrices that need no row exchanges.
-WITHOUT_EXCHANGES: dict[str, Any] = {
-    **{"permc_spec": "MMD_AT_PLUS_A", "diag_pivot_thresh": 0.0},
-    "options": {"SymmetricMode": True},
-}
+def without_exchanges(A: sp.csc_matrix) -> Any:
+    """Factors of a matrix that needs no row exchanges."""
+    how = {"permc_spec": "MMD_AT_PLUS_A", "diag_pivot_thresh": 0.0}
+    return spla.splu(A, **how, options={"SymmetricMode": True})
 
 
-def solve_indefinite(A: Any, B: Array, **options: Any) -> Array:
+def solve_indefinite(A: Any, B: Array, factors_of: Callable[[Any], Any] = spla.splu) -> Array:
     """Solve A X = B, A sparse symmetric and regular, one step of refinement included.
 
     Parameters
     ----------
     A : matrix (n, n)
     B : right-hand sides (n, k)
-    options : options of SciPy's `splu`
+    factors_of : factors of a sparse matrix
     """
     scale = sp.diags(1.0 / np.sqrt(np.abs(A.diagonal())))
-    factors = spla.splu((scale @ A @ scale).tocsc(), **options)
+    factors = factors_of((scale @ A @ scale).tocsc())
     X = scale @ factors.solve(scale @ B)
     return np.asarray(X + scale @ factors.solve(scale @ (B - A @ X)))
 
 
-solve_definite = partial(solve_indefinite, **WITHOUT_EXCHANGES)
+solve_definite = partial(solve_indefinite, factors_of=without_exchanges)
 
 
 class Algebra(NamedTuple):
@@ -283,7 +282,7 @@ def _massive(M: Any) -> int:
 def negative_pivots(A: Any) -> int:
     """Number of negative eigenvalues of a sparse symmetric matrix (Sylvester's law of inertia)."""
     try:
-        factors = spla.splu(A.tocsc(), **WITHOUT_EXCHANGES)
+        factors = without_exchanges(A.tocsc())
         if np.array_equal(factors.perm_r, factors.perm_c):
             return int(np.count_nonzero(factors.U.diagonal() < 0.0))
     except RuntimeError:

@@ -19,13 +19,14 @@ from ...solver.package.common.dataset import all_values
 from ...solver.package.common.design import PLACES, differenced
 from ...solver.package.common.materials import elastic_from_dict, rotated
 from ...solver.package.section.section_schema import SectionFile
+from ...solver.package.specification import DesignTarget
 from ..parameters import Key, Parameter, read_parameters
 from .section_specification import SectionError
 from .space.layers import ALL, Layup, ply_axes
 from .space.section_cells import CellMesh, refined
 from .space.section_mesh import SectionMesh, section_mesh
 
-Targets = Sequence[Mapping[str, Any]]  # {"of": path, "factor": number}
+Targets = Sequence[DesignTarget]
 
 OPEN = (
     r"regions\.[^.]+\.plies\.\d+\.(angle_deg|thickness)",

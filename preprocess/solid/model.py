@@ -4,7 +4,7 @@ Systems are solved by factors of MUMPS, or by conjugate gradients with two grids
 
 from collections.abc import Callable, Mapping
 from functools import cached_property, partial
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import scipy.sparse as sp
@@ -13,6 +13,7 @@ from ...solver.math.arrays import Array, IntArray
 from .. import fenicsx
 from ..exchange.direct import Solver
 from ..exchange.free_body import Cells, FreeBody
+from ..exchange.import_table import InterfaceTable
 from ..exchange.imported_interfaces import Constrained
 from ..fenicsx import PlainMesh
 from ..fenicsx.assembly import SolidSpace
@@ -199,7 +200,7 @@ class SolidModel:
         return self._body(SolidSpace(self.mesh.plain, 3), none, {}, 3)
 
     def _body(
-        self, space: SolidSpace, cells: Cells, notes: dict[str, Any], degree: int = 2
+        self, space: SolidSpace, cells: Cells, notes: dict[str, object], degree: int = 2
     ) -> FreeBody:
         n, rho = len(space.points), space.of_cells(self.materials.rho)
         return FreeBody(
@@ -219,10 +220,11 @@ class SolidModel:
         )
 
     @property
-    def links(self) -> dict[str, Any]:
+    def links(self) -> dict[str, InterfaceTable]:
         """Tables of the interfaces for the reduction (exchange/import_table.py)."""
         kept = ("link", "position", "rotation_deg")
-        return {
+        links = {
             name: {"set": name, "weights": "area", **{k: v for k, v in t.items() if k in kept}}
             for name, t in self.interfaces.items()
         }
+        return cast(dict[str, InterfaceTable], links)

@@ -11,7 +11,7 @@ from ...solver.package import ModalPackage
 from ...solver.package.body.plausibility import centre_inertia
 from ..exchange.direct import Solver
 from ..exchange.free_body import FreeBody
-from ..exchange.import_table import SI
+from ..exchange.import_table import SI, InterfaceTable
 from ..exchange.imported_interfaces import Constrained, constrained, links
 from ..exchange.reduce import reduce_body
 from ..modes.reference import Algebra, HeldDofs
@@ -38,7 +38,7 @@ class HeldSolid:
     def __init__(
         self,
         body: FreeBody,
-        tables: dict[str, Any],
+        tables: Mapping[str, InterfaceTable],
         supports: list[str],
         solver: Callable[[Constrained], Solver] = Mumps,
     ) -> None:
@@ -184,7 +184,7 @@ def _errors(
     richer = model.richer()
     errors = {"free_error": _relative(results["free_hz"], free_hertz(richer, count))}
     if "held_hz" in results:
-        rigid = {
+        rigid: dict[str, InterfaceTable] = {
             name: {**link, "weights": "equal"}  # they place reference points, which change nothing
             for name, link in model.links.items()
             if link["link"] == "rigid"

@@ -2,6 +2,7 @@
 
 import dataclasses
 import time
+from collections.abc import Mapping
 from functools import partial
 from typing import Any, cast
 
@@ -14,7 +15,7 @@ from ...solver.package.common.cells import vtk_cells
 from ...solver.package.common.plain_data import SpecError, check_form
 from ...solver.package.common.plausible import body_doubts, material_doubts, not_allowed
 from ...solver.package.specification import SolidSpecification
-from ..exchange.import_table import SI, Reduction
+from ..exchange.import_table import SI, InterfaceTable, Reduction
 from ..exchange.reduce import reduce_body
 from ..provenance import body_provenance
 from .model import MOST_FACTORISED, SolidModel, from_corners
@@ -29,7 +30,7 @@ NOT_COUNTED = {
 }
 
 
-def build_solid_body(spec: dict[str, Any]) -> ModalPackage:
+def build_solid_body(spec: Mapping[str, object]) -> ModalPackage:
     """Mesh the solid, solve its modes and collect the package of one body.
 
     Parameters
@@ -42,8 +43,7 @@ def build_solid_body(spec: dict[str, Any]) -> ModalPackage:
         cannot fulfil.
     SolidError : what is wrong with geometry, mesh, materials or interfaces
     """
-    check_form(spec, SolidSpecification)
-    table = cast(SolidSpecification, spec)
+    table = check_form(spec, SolidSpecification)
     start, where = time.perf_counter(), "" if "analysis" in table else f"bodies.{table['body']}"
     model = accurate_model(table["solid"], table["interfaces"], where)
     model.body  # noqa: B018  matrices
@@ -107,6 +107,6 @@ def _at_corners(package: ModalPackage, model: SolidModel) -> ModalPackage:
     )
 
 
-def _followed(links: dict[str, Any]) -> dict[str, Any]:
+def _followed(links: dict[str, InterfaceTable]) -> dict[str, InterfaceTable]:
     """Interfaces that do not stiffen the free solid."""
     return {name: {**table, "link": "average"} for name, table in links.items()}

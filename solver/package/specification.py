@@ -175,7 +175,7 @@ class StationTable(TypedDict):
     """A section at a fraction of the length; between two stations K and mass change linearly."""
 
     at: float
-    section: dict[str, Any]
+    section: dict[str, object]
 
 
 class BeamInterfaceTable(TypedDict):
@@ -196,12 +196,12 @@ class ShellInterfaceTable(TypedDict):
 class ShellTable(TypedDict):
     """A shell without supports and loads."""
 
-    mesh: dict[str, Any]
-    materials: dict[str, Any]
-    laminates: dict[str, Any]
-    regions: dict[str, Any]
+    mesh: dict[str, object]
+    materials: dict[str, object]
+    laminates: dict[str, object]
+    regions: dict[str, object]
     elements: dict[str, object]
-    stiffeners: NotRequired[dict[str, Any]]
+    stiffeners: NotRequired[dict[str, object]]
 
 
 class BoreTable(TypedDict):
@@ -239,15 +239,15 @@ class SolidMeshTable(TypedDict):
     size: NotRequired[float]
     accuracy: NotRequired[float]
     unit: NotRequired[float]
-    parameters: NotRequired[dict[str, Any]]
+    parameters: NotRequired[dict[str, object]]
 
 
 class SolidTable(TypedDict):
     """Geometry and materials of a solid."""
 
     mesh: SolidMeshTable
-    materials: dict[str, Any]
-    regions: dict[str, Any]
+    materials: dict[str, object]
+    regions: dict[str, object]
     allow: NotRequired[list[str]]
 
 
@@ -255,7 +255,7 @@ class SolidAnalysis(TypedDict):
     """What the command `solid` computes besides the modes of the free body."""
 
     supports: list[str]
-    loads: dict[str, Any]
+    loads: dict[str, object]
     error: bool
 
 
@@ -284,7 +284,7 @@ class BeamSpecification(_Provenance):
     elements: int
     x2_axis: list[float]
     line: NotRequired[LineTable]
-    section: dict[str, Any]
+    section: dict[str, object]
     stations: NotRequired[list[StationTable]]
     theory: Theory
     mass_form: MassForm
@@ -335,7 +335,7 @@ class ImportedSpecification(_Provenance):
     body: str
     kind: Literal["imported"]
     file: str
-    table: dict[str, Any]
+    table: dict[str, object]
     sha256: dict[str, str]
 
 

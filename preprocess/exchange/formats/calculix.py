@@ -176,7 +176,10 @@ def read(files: Files) -> FreeBody:
             )
     for key, suffix in BESIDE.items():
         if key not in files:
-            files.table = {**files.table, key: str(Path(files.table["deck"]).with_suffix(suffix))}
+            files.table = {
+                **files.table,
+                key: files.beside_deck(suffix),
+            }
     ids, nodes, cells, groups = deck.mesh()
     dofs = _dofs(files.path("dofs"))
     K, M = (_matrix(files.path(key), len(dofs)) for key in ("stiffness", "mass"))
@@ -226,7 +229,10 @@ def read_modes(files: Files) -> ModalBody:
         if kind not in SHELLS:
             raise InputError(f"{deck.file}: element {label} of type {kind}: expected shells")
     if "modes" not in files:
-        files.table = {**files.table, "modes": str(Path(files.table["deck"]).with_suffix(".frd"))}
+        files.table = {
+            **files.table,
+            "modes": files.beside_deck(".frd"),
+        }
     ids, nodes, cells, groups = deck.mesh()
     hertz, shapes = _modes(files.path("modes"), {int(label): k for k, label in enumerate(ids)})
     mass = _masses(deck, nodes, cells)

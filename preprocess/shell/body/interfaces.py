@@ -4,9 +4,9 @@ An interface at the centre of its group is the weighted mean of the group's node
 kinds of link: kind "average" of the package. An interface at another position has its own node
 there, without cells and mass. The same holds for the two ends of a chord."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple, cast
+from typing import NamedTuple
 
 import numpy as np
 
@@ -57,7 +57,7 @@ class ShellBodySpec:
     """
 
     body: str
-    shell: dict[str, Any]
+    shell: dict[str, object]
     mass_form: str
     interfaces: tuple[ShellInterface, ...]
     reference: Reference
@@ -66,21 +66,21 @@ class ShellBodySpec:
     second_order: bool = False
 
 
-def read_shell_body(spec: dict[str, object]) -> ShellBodySpec:
+def read_shell_body(spec: Mapping[str, object]) -> ShellBodySpec:
     """Read a specification (solver/package/specification.py).
 
     Raises
     ------
     SpecError : a key is unknown or missing, a value has another type, an interface does not exist.
     """
-    check_form(spec, ShellSpecification)
-    table = cast(ShellSpecification, spec)
+    table = check_form(spec, ShellSpecification)
     interfaces = tuple(_interface(name, entry) for name, entry in table["interfaces"].items())
     numbers = {interface.name: float(i) for i, interface in enumerate(interfaces)}
     elements = {**table["shell"]["elements"], "mass_form": table["mass_form"]}
+    links = {name: _link(entry) for name, entry in table["interfaces"].items()}
     return ShellBodySpec(
         body=table["body"],
-        shell={**table["shell"], "elements": elements, "links": _links(interfaces)},
+        shell={**table["shell"], "elements": elements, "links": links},
         mass_form=table["mass_form"],
         interfaces=interfaces,
         reference=read_reference(table["reference"], numbers),
@@ -101,13 +101,9 @@ def _interface(name: str, table: ShellInterfaceTable) -> ShellInterface:
     )
 
 
-def _links(interfaces: tuple[ShellInterface, ...]) -> dict[str, Any]:
-    links: dict[str, Any] = {}
-    for interface in interfaces:
-        links[interface.name] = {"at": interface.at, "kind": interface.link}
-        if interface.position_B is not None:
-            links[interface.name]["point"] = interface.position_B.tolist()
-    return links
+def _link(table: ShellInterfaceTable) -> dict[str, object]:
+    point = {"point": table["position"]} if "position" in table else {}
+    return {"at": table["at"], "kind": table["link"], **point}
 
 
 SAME_PLACE = 1e-9  # relative to the size of the mesh

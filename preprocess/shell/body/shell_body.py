@@ -1,7 +1,7 @@
 """Modal package of a body from a laminated shell, with the data of its stress recovery."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -72,7 +72,7 @@ DESIGNED = {"laminates", "materials", "regions", "stiffeners"}  # tables with de
 SPARE = 1  # additional modes: a shell has other modes between those of one kind
 
 
-def build_shell_body(spec: dict[str, object]) -> ModalPackage:
+def build_shell_body(spec: Mapping[str, object]) -> ModalPackage:
     """Assemble the shell, solve its modes and collect the package of one body.
 
     Parameters

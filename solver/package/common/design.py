@@ -40,7 +40,7 @@ class Derivative:
 
     name: str
     kind: str
-    targets: tuple[dict[str, object], ...]
+    targets: tuple[Mapping[str, object], ...]
     values: dict[str, Array]
 
 

@@ -106,6 +106,7 @@ def toml_value(value: Any) -> str:
     return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
+Form = TypeVar("Form")
 SCALARS = {str: "a text", bool: "true or false", int: "a whole number", float: "a number"}
 
 
@@ -125,22 +126,19 @@ def expected(key: str, value: Any, expectation: str) -> str:
     return f"{key or 'specification'}: expected {expectation}, found {value!r}"
 
 
-def check_form(value: Any, form: Any, key: str = "") -> None:
-    """Raise SpecError for the first entry of `value` with a wrong form.
+def check_form(value: Any, form: type[Form], key: str = "") -> Form:
+    """Return a value of this form. Raises SpecError for the first entry of another form.
 
     Parameters
     ----------
     form : a TypedDict, Literal, list[...], dict[str, ...], a union of such, str, bool, int, float
-        or Any. In a union of tables the key `kind` selects one.
+        or object. In a union of tables the key `kind` selects one.
     key : of the value, for messages
     """
     origin = get_origin(form)
     if origin in (Union, UnionType):
-        form = _meant(value, get_args(form), key)
-        origin = get_origin(form)
-    if form is Any:
-        return
-    if is_typeddict(form):
+        check_form(value, _meant(value, get_args(form), key), key)
+    elif is_typeddict(form):
         _check_table(value, form, key)
     elif origin is Literal:
         if value not in get_args(form):
@@ -154,8 +152,10 @@ def check_form(value: Any, form: Any, key: str = "") -> None:
         _require(isinstance(value, dict), key, value, "an object")
         for name, entry in value.items():
             check_form(entry, get_args(form)[1], _join(key, name))
-    else:
+    elif form is not object:
         _require(_is(value, form), key, value, _words(form))
+    checked: Form = value
+    return checked
 
 
 def _check_table(table: Any, form: Any, where: str) -> None:
