@@ -9,6 +9,7 @@ import sys
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -200,15 +201,15 @@ def run(options: argparse.Namespace) -> int:
     # With names from standard input, each rank reports to the process that started it.
     with reporter(options.json, team is None or team.rank == 0 or listed) as (report, progress):
         product = files(options, team, progress) if files else BodyPackages()
-        how: dict[str, Any] = {"force": options.force, "report": report}
+        build = partial(build_all, product, target_of=target_of, force=options.force, report=report)
         if listed:
             names = (Path(line.rstrip("\n")) for line in sys.stdin)
-            return max((build_all(product, [name], target_of, **how) for name in names), default=0)
+            return max((build([name]) for name in names), default=0)
         specs = options.specs
         if files is SectionFiles:
             groups = by_mesh((path, _mesh_key(path)) for path in specs)
             specs = share([path for group in groups for path in group], options.shard)
-        return build_all(product, specs, target_of, **how)
+        return build(specs)
 
 
 def launched_ranks() -> Any:

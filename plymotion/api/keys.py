@@ -13,10 +13,9 @@ from ..solver.errors import InputError, nearest
 from ..solver.inputs.case.tables.laws import FOLDER
 from ..solver.inputs.case.tables.schema import CaseFile, Mechanism
 from ..solver.inputs.common.input_table import Name, bare_lines, members, without_annotations
+from ..solver.inputs.common.text_file import Tables
 from ..solver.inputs.section.description import shape
 from ..solver.package.common.plain_data import plain
-
-Tables = dict[str, Any]
 
 
 class UnknownKey(AttributeError, InputError):

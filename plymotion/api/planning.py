@@ -75,7 +75,7 @@ class Plan:
             answer = checked_member(*read_planned(file), self._plan)
         self.text, self.met = answer_text(answer), answer.verdict == "met"
         self.estimate = answer.estimates
-        self.checks: list[dict[str, Any]] = []
+        self.checks: list[dict[str, object]] = []
 
     def run(self, changes: Mapping[str, Any] | None = None) -> ByName[Signal]:
         """Return the signals of a run with other numbers, by the model of the plan.
@@ -114,7 +114,7 @@ class Plan:
             )
         return signals_of(result)
 
-    def check(self, changes: Mapping[str, Any] | None = None) -> dict[str, Any]:
+    def check(self, changes: Mapping[str, Any] | None = None) -> dict[str, object]:
         """Run the model and its check with other numbers: changes, met, estimate, reason.
 
         Raises InputError as `run` does.

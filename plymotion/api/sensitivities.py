@@ -156,7 +156,13 @@ gravity.3; known: 0, 1, 2
     _, run, folder = chosen(case, run, coarse=coarse)
     with shown(steps=progress), folder_lock(folder):
         asked = plain(case.table), case._path, run, of
-        common: dict[str, Any] = {"build": folder, "packages": path_of(packages), "coarse": coarse}
+        ready = path_of(packages)
         if objective is not None:
-            return Sensitivities(*compute_gradient(*asked, plain(objective), **common))
-        return Sensitivities(*compute_sensitivities(*asked, **common, progress=progress))
+            found = compute_gradient(
+                *asked, plain(objective), build=folder, packages=ready, coarse=coarse
+            )
+        else:
+            found = compute_sensitivities(
+                *asked, build=folder, packages=ready, coarse=coarse, progress=progress
+            )
+        return Sensitivities(*found)

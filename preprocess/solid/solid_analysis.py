@@ -139,7 +139,7 @@ def accurate_model(
 
 def findings(
     model: SolidModel, package: ModalPackage, table: Mapping[str, Any]
-) -> tuple[dict[str, Any], dict[str, Array]]:
+) -> tuple[dict[str, object], dict[str, Array]]:
     """Numbers of a solid as plain data, SI, and displacements (n, 3) of its load cases.
 
     Parameters
@@ -148,7 +148,7 @@ def findings(
     table : `SolidAnalysis` of the specification
     """
     inv = package.invariants
-    table_of_results: dict[str, Any] = {
+    table_of_results: dict[str, object] = {
         "mass": inv.mass,
         "centre": (inv.S0_B / inv.mass).tolist(),
         "inertia": centre_inertia(package).tolist(),
@@ -175,14 +175,16 @@ def findings(
 
 def _errors(
     model: SolidModel, table: Mapping[str, Any], results: Mapping[str, Any], count: int
-) -> dict[str, Any]:
+) -> dict[str, object]:
     """Relative errors of the frequencies by displacements of degree 3, or why there are none."""
     if not table["error"]:
         return {"no_error": "frequencies.error = false"}
     if results["unknowns"] > MOST:
         return {"no_error": f"{results['unknowns']} unknowns, more than {MOST}"}
     richer = model.richer()
-    errors = {"free_error": _relative(results["free_hz"], free_hertz(richer, count))}
+    errors: dict[str, object] = {
+        "free_error": _relative(results["free_hz"], free_hertz(richer, count))
+    }
     if "held_hz" in results:
         rigid: dict[str, InterfaceTable] = {
             name: {**link, "weights": "equal"}  # they place reference points, which change nothing
@@ -199,7 +201,7 @@ def _relative(hertz: Array | list[float], richer: Array) -> list[float]:
     return list((np.array(hertz) / richer - 1.0).tolist())
 
 
-def _exact(model: SolidModel) -> dict[str, Any] | None:
+def _exact(model: SolidModel) -> dict[str, object] | None:
     """Mass, centre and inertia of the exact geometry; None without a CAD file."""
     parts = model.mesh.exact
     if not parts:
@@ -219,7 +221,7 @@ def _exact(model: SolidModel) -> dict[str, Any] | None:
     return {"mass": float(m.sum()), "centre": c.tolist(), "inertia": J.tolist()}
 
 
-def _case(model: SolidModel, case: Case) -> dict[str, Any]:
+def _case(model: SolidModel, case: Case) -> dict[str, object]:
     """The largest displacement of a load case, and its reactions."""
     size = np.linalg.norm(case.u, axis=1)
     node = int(np.argmax(size))

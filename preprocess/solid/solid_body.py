@@ -67,7 +67,10 @@ def build_solid_body(spec: Mapping[str, object]) -> ModalPackage:
     warnings = [*package.provenance["warnings"], *([] if model.counts else [NOT_COUNTED])]
     if "analysis" in table:  # the checks of a run judge the bodies of a mechanism
         source, cases = findings(model, package, table["analysis"])
-        doubts = [*material_doubts(table["solid"]["materials"]), *body_doubts(source["mass"])]
+        doubts = [
+            *material_doubts(table["solid"]["materials"]),
+            *body_doubts(package.invariants.mass),
+        ]
         warnings += [doubt.warning for doubt in not_allowed(table["solid"], doubts)]
     shapes = np.moveaxis(package.shapes_B[:, :n, :3], 0, 2)
     stresses = face_stresses(model, table["solid"]["materials"], shapes, cases)

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 from ..errors import InputError, counted
-from ..inputs.case.record import case_file
+from ..inputs.case.record import PackageEntry, case_file
 from ..math.disk_cache import state_of, state_since
 from ..package.common.files import RECORD as FILES
 from ..studies.cases import (
@@ -141,7 +141,7 @@ def _done(file: Path, out: Path, options: argparse.Namespace, request: str) -> i
 
 
 def _build(
-    named: Mapping[Path, Sequence[dict[str, object]]],
+    named: Mapping[Path, Sequence[PackageEntry]],
     jobs: int,
     say: Say,
     *,

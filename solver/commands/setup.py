@@ -1,7 +1,6 @@
 """The commands that need no case: `new`, `compile`, `materials`, `schema`, `completion`."""
 
 import argparse
-import json
 import shlex
 from collections.abc import Iterator
 from pathlib import Path
@@ -69,6 +68,7 @@ def run_schema(options: argparse.Namespace) -> int:
 def run_materials(options: argparse.Namespace) -> int:
     """List the library of materials, or print one as TOML. Raises InputError for another name."""
     from ..inputs.common.published_materials import LIBRARY
+    from ..package.common.plain_data import toml_text
 
     if options.name is None:
         for name, entry in LIBRARY.items():
@@ -80,13 +80,8 @@ def run_materials(options: argparse.Namespace) -> int:
             f"materials {options.name}: no such material{nearest(options.name, LIBRARY)}"
         )
     entry = LIBRARY[options.name]
-    values = {k: v for k, v in entry.table.items() if not isinstance(v, dict)}
     print(f"# {entry.meaning}: {entry.source}\n[materials.{options.name}]")
-    for table in (values, entry.table.get("strength", {})):
-        if table is not values and table:
-            print(f"\n[materials.{options.name}.strength]")
-        for key, value in table.items():
-            print(f"{key} = {json.dumps(value)}")
+    print(toml_text(entry.table, f"materials.{options.name}."), end="")
     return 0
 
 

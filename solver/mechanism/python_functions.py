@@ -16,6 +16,7 @@ from ..math.arrays import Array
 from ..math.disk_cache import file_sha256
 
 if TYPE_CHECKING:
+    from ..inputs.case.tables.laws import PythonCode
     from ..inputs.case.tables.schema import Mechanism
 
 
@@ -42,14 +43,14 @@ def python_functions(mechanism: "Mechanism") -> dict[str, Called]:
     InputError
         A file that fails, or has no such function.
     """
-    spaces: dict[tuple[str, str], dict[str, Any]] = {}
+    spaces: dict[tuple[str, str], dict[str, object]] = {}
     return {
         name: _loaded(f"forces.{name}.code", code, spaces)
         for name, code in codes_of(mechanism).items()
     }
 
 
-def codes_of(mechanism: "Mechanism") -> dict[str, Any]:
+def codes_of(mechanism: "Mechanism") -> "dict[str, PythonCode]":
     """Return the tables of the user's functions by the names of the forces that call them."""
     codes = {}
     for name, force in mechanism.forces.items():
@@ -60,7 +61,7 @@ def codes_of(mechanism: "Mechanism") -> dict[str, Any]:
     return codes
 
 
-def _loaded(key: str, code: Any, spaces: dict[tuple[str, str], dict[str, Any]]) -> Called:
+def _loaded(key: str, code: Any, spaces: dict[tuple[str, str], dict[str, object]]) -> Called:
     space = spaces.setdefault((code.file, code.source), {})
     try:
         for name, digest in code.reads.items():
@@ -71,7 +72,7 @@ def _loaded(key: str, code: Any, spaces: dict[tuple[str, str], dict[str, Any]]) 
             exec(compile(code.source, code.file, "exec"), space)
     except Exception as error:
         raise InputError(f'{key}.file = "{code.file}": {_words(error)}') from error
-    function = space.get(code.function)
+    function: Any = space.get(code.function)
     memory: dict[Any, Any] = {}
     if not callable(function):
         raise InputError(f'{key}.function = "{code.function}": {code.file} has no such function')
@@ -90,8 +91,8 @@ def _loaded(key: str, code: Any, spaces: dict[tuple[str, str], dict[str, Any]]) 
 
 
 def _builtins(
-    modules: dict[str, str], spaces: dict[tuple[str, str], dict[str, Any]]
-) -> dict[str, Any]:
+    modules: dict[str, str], spaces: dict[tuple[str, str], dict[str, object]]
+) -> dict[str, object]:
     """Return Python's own names with an import that takes these modules from their texts.
 
     Not from files, which may have been edited since, nor from modules that an earlier run loaded.

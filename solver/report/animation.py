@@ -2,6 +2,7 @@
 
 import json
 import struct
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -75,8 +76,8 @@ def write_glb(path: Path, result: RunResult) -> Path:
     rows = frame_rows(t, [], 1, len(t))
     out = _File()
     times = out.accessor((t[rows] - t[0]).astype(np.float32), "SCALAR", bounds=True)
-    samplers: list[dict[str, object]] = []
-    channels: list[dict[str, object]] = []
+    samplers: list[Mapping[str, object]] = []
+    channels: list[Mapping[str, object]] = []
     nodes, meshes, materials = [], [], []
     for number, (body, view) in enumerate(views):
         base, targets, weights = _mesh(result, rows, body, view)
@@ -150,8 +151,8 @@ class _File:
 
     def __init__(self) -> None:
         self._data = bytearray()
-        self._views: list[dict[str, Any]] = []
-        self._accessors: list[dict[str, Any]] = []
+        self._views: list[Mapping[str, object]] = []
+        self._accessors: list[Mapping[str, object]] = []
 
     def accessor(
         self,

@@ -240,7 +240,7 @@ def _plan(plan: Mapping[str, Any]) -> str:
     return table("Model of each body", head, rows) + caption
 
 
-def _shares(shares: list[dict[str, Any]]) -> str:
+def _shares(shares: list[Mapping[str, Any]]) -> str:
     rows: list[Row] = [
         [escape(s["kind"]), escape(s["body"] or "all"), Cell(f"{s['value']:.1e}", s["value"])]
         for s in shares

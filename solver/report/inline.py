@@ -79,7 +79,7 @@ NUMBERS = 350_000  # of all histories of a page; longer ones keep the extremes o
 FEWEST = 500  # rows of a run at least
 
 
-def histories(blob: Blob, result: RunResult, share: int) -> dict[str, Any]:
+def histories(blob: Blob, result: RunResult, share: int) -> dict[str, object]:
     """Add the histories of a run; return what the page needs to plot them.
 
     Parameters

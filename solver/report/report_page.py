@@ -3,7 +3,7 @@
 import hashlib
 import importlib.metadata
 import json
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import cache
 from html import escape
 from pathlib import Path
@@ -137,7 +137,7 @@ def _header(title: str, stories: list[Story]) -> str:
     )
 
 
-def _run(blob: Blob, story: Story, share: int) -> dict[str, Any]:
+def _run(blob: Blob, story: Story, share: int) -> dict[str, object]:
     """Return what the page needs of a run, without animation; `share` as of `histories`."""
     return {
         "name": story.name,
@@ -239,7 +239,7 @@ PAGE = "report.html"
 def make_report(
     case_dir: Path,
     runs: list[str],
-    case: dict[str, Any] | None = None,
+    case: Mapping[str, Any] | None = None,
     *,
     figures: bool = False,
     formats: Collection[str] = ("png",),
@@ -331,7 +331,7 @@ def _result_sha256(case_dir: Path, run: str) -> str:
 def _content(
     case_dir: Path,
     runs: list[str],
-    case: dict[str, object],
+    case: Mapping[str, object],
     results: dict[str, str],
     formats: list[str],
 ) -> str:

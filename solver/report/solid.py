@@ -1,5 +1,6 @@
 """Numbers of a solid, as a table and as text for the screen."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,7 @@ from .table import in_rows, warning_lines
 # Results of a solid on the screen.
 
 
-def solid_text(solid: dict[str, Any]) -> str:
+def solid_text(solid: Mapping[str, Any]) -> str:
     """Return the main results of a solid, at most 100 columns wide.
 
     Parameters
@@ -58,7 +59,7 @@ def _inertia(J: list[list[float]]) -> list[str]:
     ]
 
 
-def _exact(solid: dict[str, Any]) -> list[str]:
+def _exact(solid: Mapping[str, Any]) -> list[str]:
     exact = solid["exact"]
     if exact is None:
         return []
@@ -83,7 +84,7 @@ def _hertz(label: str, values: list[float], error: list[float] | None) -> list[s
     return lines
 
 
-def _case(case: dict[str, Any]) -> list[str]:
+def _case(case: Mapping[str, Any]) -> list[str]:
     lines = [
         f"{'Displacement':16}at most {case['displacement']:.6g} m, at ({_place(case['at'])}) m",
         f"{'von Mises':16}at most {case['mises'] / 1e6:.5g} MPa on the surface, near "
@@ -103,7 +104,7 @@ def _place(values: list[float]) -> str:
     return ", ".join(f"{value:.4g}" for value in values)
 
 
-def with_stresses(package: ModalPackage, cases: dict[str, Any]) -> dict[str, Any]:
+def with_stresses(package: ModalPackage, cases: Mapping[str, Any]) -> dict[str, object]:
     """Return load cases with their largest von Mises stress and lowest strength ratio."""
     faces, stressed = package.face_stresses, dict(cases)
     if faces is None or faces.case_stress_M is None:

@@ -2,7 +2,7 @@
 
 import hashlib
 import re
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -18,7 +18,7 @@ from ..results import ResultError, RunResult, Signal, Summary, read_result, read
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")  # of a run, or a figure: part of a file name
 
 
-def case_table(table: Any) -> dict[str, Any]:
+def case_table(table: Any) -> Mapping[str, Any]:
     """Return the content of case.json. Raises ValueError if `check` cannot have written it."""
     if not isinstance(table, dict):
         raise ValueError(f"expected a table, found {type(table).__name__}")
@@ -124,13 +124,13 @@ def read_story(
     return Story(run, title, summary, result, content, inputs, sha256, left_out)
 
 
-def comparisons(case: dict[str, Any], stories: list[Story]) -> list[Comparison]:
+def comparisons(case: Mapping[str, Any], stories: list[Story]) -> list[Comparison]:
     """Return the pictures that the case requests, then one of each signal that these do not show.
 
     With the existing runs.
     """
     there = {story.name for story in stories}
-    wanted: dict[str, Any] = dict(case.get("figures") or {})
+    wanted = dict(case.get("figures") or {})
     drawn = {figure["signal"] for figure in wanted.values()}
     wanted |= {
         (s.name if s.name not in wanted else f"{s.name}-all"): {

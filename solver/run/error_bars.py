@@ -60,7 +60,7 @@ def error_bars(
     steps: int,
     codes: Sequence[str],
     execute: Execute,
-) -> tuple[dict[str, float | None], dict[str, Any]]:
+) -> tuple[dict[str, float | None], dict[str, object]]:
     """Return the error bars of a finished run by signal, and what is known of them.
 
     A bar is the largest difference over all output times, in the unit of the signal, times a factor
@@ -108,7 +108,7 @@ def largest_difference(one: Signal, other: Signal) -> float:
 def coarser(spec: RunSpec, factor: float) -> RunSpec:
     """Return the run that error bars compare with, with `factor` times the tolerances."""
     solver = spec.mechanism.solver
-    changes: dict[str, Any] = {"solver.rtol": min(factor * solver.rtol, 0.1)}
+    changes: dict[str, object] = {"solver.rtol": min(factor * solver.rtol, 0.1)}
     for key in ("atol_position", "atol_velocity"):
         if (value := getattr(solver, key)) is not None:
             changes[f"solver.{key}"] = factor * value
@@ -166,15 +166,15 @@ def not_contained(spec: RunSpec) -> list[str]:
     return [*missing, *(f"modes of {name}" for name in unknown)]
 
 
-def _requests(spec: RunSpec, name: str) -> list[dict[str, Any]] | None:
+def _requests(spec: RunSpec, name: str) -> list[Any] | None:
     """Return the modes that the case asks for; None of bodies whose packages it only names."""
     body: Any = spec.mechanism.bodies[name]
     if body.rigid:
         return None
     tables = body.reduced or getattr(body, "modes", None)
-    return None if tables is None else [dict(vars(table)) for table in tables]
+    return None if tables is None else list(tables)
 
 
-def _fewer(table: dict[str, Any]) -> dict[str, Any]:
-    count = table.get("count", 0)
-    return {**table, "count": count - int(np.ceil(FEWER * count))} if count else table
+def _fewer(table: Any) -> dict[str, object]:
+    count = getattr(table, "count", 0)
+    return vars(table) | ({"count": count - int(np.ceil(FEWER * count))} if count else {})

@@ -84,7 +84,7 @@ def read_run(file: Path, *, allow_doubtful: bool = False) -> RunSpec:
     return RunSpec(case, run, mechanism, packages(run, entries), known)
 
 
-def _entries(table: dict[str, Any], mechanism: "Mechanism") -> list[tuple[str, str, str | None]]:
+def _entries(table: Any, mechanism: "Mechanism") -> list[tuple[str, str, str | None]]:
     """Return bodies with files and digests of their packages. Raises ValueError."""
     entries = [(body, *_entry(entry)) for body, entry in table["packages"].items()]
     unknown = [body for body, *_ in entries if body not in mechanism.bodies]
@@ -101,7 +101,7 @@ def _entry(entry: Any) -> tuple[str, str | None]:
     return name, digest
 
 
-def _mechanism(table: dict[str, Any], where: str) -> "Mechanism":
+def _mechanism(table: Any, where: str) -> "Mechanism":
     """Return the mechanism of a run file; one that was edited is checked."""
     mechanism = sealed(table["mechanism"], table.get("checked"))
     if mechanism is None:

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 from ..math.arrays import Array
 from ..package.section.section_schema import STRESSES, Ply
@@ -98,7 +97,7 @@ def ranked(
     )
 
 
-def summary(strength: BodyStrength) -> dict[str, Any]:
+def summary(strength: BodyStrength) -> dict[str, object]:
     """The entry of a body in summary.json."""
     failure = strength.governing
     return {

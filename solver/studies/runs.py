@@ -2,7 +2,7 @@
 
 import json
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
@@ -92,9 +92,8 @@ class Outcome:
 @dataclass(frozen=True)
 class _Task:
     file: Path
-    out: Path
     timing: bool
-    options: dict[str, Any]  # of run_one
+    run: Callable[..., Summary]
 
 
 def run_files(
@@ -124,7 +123,7 @@ def run_files(
     doubled = {file.stem for file in files if sum(f.stem == file.stem for f in files) > 1}
     if doubled:
         raise InputError(f"run files of the same name: {few(sorted(doubled))}")
-    options = {"allow_python": allow_python, "allow_doubtful": allow_doubtful}
+    allowed = {"allow_python": allow_python, "allow_doubtful": allow_doubtful}
     tasks = []
     for file in files:
         folder = out or (out_dir or file.parent.parent) / file.stem
@@ -134,8 +133,8 @@ def run_files(
         if known is not None:
             yield Outcome(_code(known), [f"{file.stem}: up to date"])
             continue
-        own = {"progress": not quiet, "import_s": import_s}
-        tasks.append(_Task(file, folder, timing, options | own))
+        run = partial(run_one, file, folder, progress=not quiet, import_s=import_s, **allowed)
+        tasks.append(_Task(file, timing, run))
         import_s = 0.0
     if tasks:
         tell_if_slow()
@@ -146,7 +145,7 @@ def run_files(
 def _outcome(task: _Task) -> Outcome:
     """Do one run."""
     try:
-        summary = run_one(task.file, task.out, **task.options)
+        summary = task.run()
     except InputError as error:
         lines = str(error).splitlines()
         named = any(str(task.file) in line for line in lines)
@@ -241,7 +240,7 @@ def _by_workers(tasks: list[_Task], jobs: int) -> Iterator[Outcome]:
 
     with passed_to_children(stop, children), pool:
         quiet = {"progress": False, "import_s": 0.0}
-        tasks = [replace(task, options=task.options | quiet) for task in tasks]
+        tasks = [replace(task, run=partial(task.run, **quiet)) for task in tasks]
         waiting: set[Future[Outcome]] = {pool.submit(_in_worker, task) for task in tasks}
         while waiting:
             done, waiting = wait(waiting, return_when=FIRST_COMPLETED)

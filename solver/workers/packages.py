@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import InputError, few, not_by_check
-from ..inputs.case.record import package_entries
+from ..inputs.case.record import PackageEntry, package_entries
 from ..package.common.container import has_fingerprint
 from ..package.common.files import refuse_link
 from ..package.common.plain_data import by_mesh, canonical
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from ..inputs.case.design import Case
 
 LOGGER = logging.getLogger(__name__)
-Entry = dict[str, Any]  # file and digests of a package, as a run file has them
 
 
 class BodiesFailed(InputError):
@@ -68,7 +67,7 @@ def prepared(case: "Case", folder: Path, name: str, packages: Path | None) -> Pa
     return folder / name
 
 
-def needed_specs(named: Mapping[Path, Sequence[Entry]]) -> dict[Path, list[Path]]:
+def needed_specs(named: Mapping[Path, Sequence[PackageEntry]]) -> dict[Path, list[Path]]:
     """Return the specifications that run and sweep files need, each once, by folder.
 
     Parameters
@@ -84,7 +83,7 @@ def needed_specs(named: Mapping[Path, Sequence[Entry]]) -> dict[Path, list[Path]
     return {folder: list(specs) for folder, specs in specs_by_folder.items()}
 
 
-def named_packages(file: Path) -> list[Entry]:
+def named_packages(file: Path) -> list[PackageEntry]:
     """Return the entries of packages of a run or sweep file. Raises InputError."""
     try:
         table = json.loads(file.read_text(encoding="utf-8"))

@@ -25,7 +25,7 @@ def skew(v: Any) -> Any:
     return -np.einsum("abc,c->ab", EPS, v)
 
 
-def read(file: Path = FILE) -> dict[str, Any]:
+def read(file: Path = FILE) -> dict[str, np.ndarray]:
     """Datasets of the package by path."""
     datasets = {}
 
@@ -42,12 +42,12 @@ AROUND = np.concatenate([np.eye(3), -np.eye(3)])  # ways to nodes about an inter
 ARM = 0.01  # of the size of the body
 
 
-def interfaces(p: dict[str, Any]) -> list[str]:
+def interfaces(p: dict[str, np.ndarray]) -> list[str]:
     """Names of the interfaces, in the order of their nodes."""
     return sorted({path.split("/")[1] for path in p if path.startswith("interfaces/")})
 
 
-def nodes(p: dict[str, Any]) -> tuple[Any, Any]:
+def nodes(p: dict[str, np.ndarray]) -> tuple[Any, Any]:
     """Positions (n, 3) and shapes (m, n, 3) of the nodes of the mesh and of added ones.
 
     The mass centre follows them: on it weight does the work of the invariants. Then six nodes about
@@ -66,7 +66,7 @@ def nodes(p: dict[str, Any]) -> tuple[Any, Any]:
     return np.concatenate(x), np.concatenate(shapes, axis=1)
 
 
-def exudyn_data(p: dict[str, Any]) -> dict[str, Any]:
+def exudyn_data(p: dict[str, np.ndarray]) -> dict[str, object]:
     """The dictionary of exudyn.FEM.ObjectFFRFreducedOrderInterface, from the datasets of `read`."""
     mass, S0, S = (p["invariants/" + name] for name in ("mass", "S0_B", "S_B"))
     T00, T01, T11 = (p["invariants/" + name] for name in ("T00_B", "T01_B", "T11_B"))

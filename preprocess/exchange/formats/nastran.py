@@ -13,6 +13,7 @@ import scipy.sparse as sp
 
 from ....solver.errors import InputError
 from ....solver.math.arrays import Array, IntArray
+from ....solver.package.specification import PlyTable
 from ..free_body import DIRECTIONS, Cells, FreeBody, Layups, free_body, rows_of
 from ..import_table import Files, text_lines
 
@@ -301,7 +302,7 @@ def read_layups(path: Path, deck: Sequence[Card], nodes: Array, cells: Cells) ->
 def _laminate(
     by_id: dict[tuple[str, str], list[str]],
     number: str,
-    materials: dict[str, dict[str, Any]],
+    materials: dict[str, dict[str, object]],
     path: Path,
 ) -> dict[str, Any]:
     """Table of plies of a property; its materials are added to `materials`."""
@@ -309,7 +310,7 @@ def _laminate(
         fields = by_id["PCOMP", number]
         plies = _plies(fields[8:], path)
         if fields[7].upper() == "SYM":
-            plies = [*plies, *(dict(ply) for ply in plies[::-1])]
+            plies += [ply.copy() for ply in plies[::-1]]
         elif fields[7]:
             raise NotRead(f"PCOMP {number}: LAM = {fields[7]}")
         total = sum(float(ply["thickness"]) for ply in plies)
@@ -331,9 +332,9 @@ def _laminate(
     return {"plies": plies, "offset": offset}
 
 
-def _plies(fields: list[str], path: Path) -> list[dict[str, Any]]:
+def _plies(fields: list[str], path: Path) -> list[PlyTable]:
     """Four fields a ply: material, thickness (both as before if blank), angle, output."""
-    plies: list[dict[str, Any]] = []
+    plies: list[PlyTable] = []
     material, thickness = "", 0.0
     for at in range(0, len(fields) - 3, 4):
         if not any(fields[at : at + 3]):

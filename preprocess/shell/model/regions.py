@@ -155,7 +155,7 @@ def _laminate(
         return str(name), laminates[name]
     if "material" not in table or "thickness" not in table:
         raise ShellError(f"{where}: expected laminate = ..., or material = ... and thickness = ...")
-    plain: dict[str, Any] = {
+    plain: dict[str, object] = {
         "plies": [{"material": table["material"], "thickness": table["thickness"]}]
     }
     for key in ("offset", "shear_correction"):

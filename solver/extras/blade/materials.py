@@ -1,7 +1,6 @@
 """Materials of a windIO file, as a section description has them."""
 
 from collections.abc import Set
-from typing import Any
 
 import numpy as np
 
@@ -28,7 +27,7 @@ class Materials:
             for i, entry in enumerate(tables.entries(top, "materials"))
         }
 
-    def read(self, used: Set[str]) -> dict[str, dict[str, Any]]:
+    def read(self, used: Set[str]) -> dict[str, Table]:
         """Return the materials that are used, and adhesives; others may have other keys."""
         materials = {
             name: self._material(entry, f"materials.{name}")
@@ -46,22 +45,20 @@ class Materials:
     def _number(self, entry: Table, path: str) -> float:
         return float(self.tables.numbers(entry, path, 1)[0])
 
-    def _material(self, entry: Table, path: str) -> dict[str, object]:
+    def _material(self, entry: Table, path: str) -> Table:
         rho = self._number(entry, f"{path}.rho")
         if not entry.get("orth"):
             return self._isotropic(entry, path) | {"rho": rho}
-        material: dict[str, object] = {"rho": rho}
+        constants = {"rho": rho}
         for key, names in (
             ("E", ("E1", "E2", "E3")),
             ("G", ("G12", "G13", "G23")),
             ("nu", ("nu12", "nu13", "nu23")),
         ):
             values = self.tables.numbers(entry, f"{path}.{key}", 3).tolist()
-            material |= dict(zip(names, values, strict=True))
-        material = {"kind": "orthotropic"} | self._elastic(material, path)
-        if strength := _strength(entry):
-            material["strength"] = strength
-        return material
+            constants |= dict(zip(names, values, strict=True))
+        strength = {"strength": s} if (s := _strength(entry)) else {}
+        return {"kind": "orthotropic", **self._elastic(constants, path), **strength}
 
     def _isotropic(self, entry: Table, path: str) -> dict[str, object]:
         E, nu = (self._number(entry, f"{path}.{key}") for key in ("E", "nu"))
@@ -79,7 +76,7 @@ class Materials:
                 )
         return {"kind": "isotropic", "E": E, "nu": nu}
 
-    def _elastic(self, constants: dict[str, Any], path: str) -> dict[str, Any]:
+    def _elastic(self, constants: dict[str, float], path: str) -> dict[str, float]:
         """Constants of an elastic material: without ratios across the wall that none has.
 
         Walls have no stress across, so that nu13 and nu23 matter little, and files of thin-walled
@@ -102,7 +99,7 @@ class Materials:
         return constants
 
 
-def is_soft(adhesive: dict[str, Any]) -> bool:
+def is_soft(adhesive: Table) -> bool:
     """True for an adhesive that cannot join walls."""
     return bool(adhesive.get("E", adhesive.get("E1", SOFT_GLUE)) < SOFT_GLUE)
 

@@ -61,7 +61,7 @@ class Tables:
         """Return an error that names the file and the key."""
         return InputError(f"{self.file}: {key}: {message}")
 
-    def table(self, parent: Table, path: str) -> dict[str, Any]:
+    def table(self, parent: Table, path: str) -> Table:
         """Return the table of the last part of `path`."""
         key = path.rpartition(".")[2]
         value = parent.get(key)
@@ -72,7 +72,7 @@ class Tables:
             raise self.error(path, f"{message}; expected a table of windIO 2{hint}")
         return value
 
-    def entries(self, parent: Table, path: str, *, required: bool = False) -> list[dict[str, Any]]:
+    def entries(self, parent: Table, path: str, *, required: bool = False) -> list[Table]:
         """Return the list of tables of the last part of `path`; without it, none.
 
         Parameters

@@ -20,7 +20,7 @@ from .aerodynamics import Strip
 from .materials import Materials
 from .operation import DENSE, Point, RigidRotor, Turbine, blade_axes
 from .stations import Station, complete, elements_of, line_of
-from .tables import Tables
+from .tables import Table, Tables
 from .windio import Blade, turbine_table
 
 ROTOR_CASE, TOWER = "rotor.toml", "tower.csv"
@@ -236,7 +236,7 @@ def _symmetric(six: Array) -> str:
 
 def _hub(
     tables: Tables, components: Mapping[str, Any], drive: Mapping[str, Any], ratio: float
-) -> dict[str, Any]:
+) -> Table:
     """Return mass, centre and inertia of the hub, with the rotating inertia of the generator."""
     path = "components.hub.elastic_properties"
     given = tables.table(tables.table(components, "components.hub"), path)

@@ -199,7 +199,7 @@ class Blade(Shape):
     file: Path
     layers: tuple[Layer, ...] = ()
     webs: tuple[Web, ...] = ()
-    materials: dict[str, dict[str, Any]]  # as a section description has them
+    materials: dict[str, Table]  # as a section description has them
     span: tuple[float, ...]  # grid of the file's chord
     glue: str = ""  # material of the trailing edge's adhesive; "": the file has none
     hub: Hub = NO_HUB
@@ -301,7 +301,7 @@ def _left_out(tables: Tables, structure: Table) -> Iterator[str]:
         )
 
 
-def turbine_table(file: Path) -> dict[str, Any]:
+def turbine_table(file: Path) -> Table:
     """Return a windIO file as a table. Raises InputError : no turbine, or unreadable."""
     table = read_yaml(file)
     if not isinstance(table, dict) or "components" not in table:

@@ -530,7 +530,7 @@ def without_strengths(key: str, body: BodySpec | None) -> list[str]:
     key : key of the input file and its value, for messages
     body : its specification, if there is one
     """
-    content: dict[str, Any] = dict(body.content) if body else {}
+    content: Any = body.content if body else {}
     parts = [content[part] for part in ("shell", "solid", "section") if part in content]
     parts += [station["section"] for station in content.get("stations", [])]
     materials = {name: m for part in parts for name, m in part.get("materials", {}).items()}

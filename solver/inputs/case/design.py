@@ -12,6 +12,7 @@ from ...errors import InputError, nearest, refuse, unknown
 from ...math.arrays import Array
 from ...package.specification import ModeKind
 from ..common.input_table import plain_table
+from ..common.text_file import Tables
 from ..common.units import LENGTHS
 from .bodies.specifications import BodySpec, BodySpecs, rich_bodies
 from .checks import in_parts, without_strengths
@@ -46,7 +47,7 @@ class CheckedStudy:
     targets: dict[str, list[Target]]
     base: Mechanism
     start: Array
-    merged: dict[str, Any]
+    merged: Tables
     _where: str
     _specs: BodySpecs
     _merged_of: MergedOf
@@ -100,7 +101,7 @@ class CheckedStudy:
         A shell is refined once. A run with `[fidelity]` takes all modes of its check.
         """
 
-        def merged_of(run: str) -> dict[str, object]:
+        def merged_of(run: str) -> Tables:
             table = self._merged_of(run)
             planned = table.pop("fidelity", None)
             for name, body in table.get("bodies", {}).items():
@@ -124,7 +125,7 @@ class CheckedStudy:
         return replace(self, _merged_of=merged_of)
 
 
-def _with_names(merged: dict[str, Any], names: Mapping[str, str]) -> dict[str, Any]:
+def _with_names(merged: Tables, names: Mapping[str, str]) -> Tables:
     """Return the tables of a run with names at dotted keys, where it has such a body or section."""
     for key, name in names.items():
         group, owner, *_ = split_key(key)

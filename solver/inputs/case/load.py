@@ -11,7 +11,7 @@ from pydantic import ValidationError
 
 from ...errors import InputError, printable, refuse, unknown
 from ..common.input_table import bare_lines, meant, members, validated, without_annotations
-from ..common.text_file import read_toml
+from ..common.text_file import Tables, read_toml
 from ..section.description import shape
 from .bodies.specifications import BodySpec, BodySpecs
 from .checks import check_elsewhere, in_parts
@@ -21,8 +21,6 @@ from .messages import Findings
 from .record import case_name
 from .sweeps import CheckedSweep, MergedOf, check_sweep, unit_at
 from .tables.schema import CaseFile, Mechanism, Sweep, mechanism_of
-
-Tables = dict[str, Any]
 
 
 def merge(base: Tables, over: Tables, way: tuple[str, ...] = ()) -> None:

@@ -8,7 +8,7 @@ import json
 from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any, NotRequired, TypedDict, TypeVar, cast
 
 from ...errors import InputError
 from ...math.disk_cache import sources_sha256
@@ -18,6 +18,14 @@ if TYPE_CHECKING:
 
 
 CASE_FILE = "case.toml"
+Item = TypeVar("Item")
+
+
+class PackageEntry(TypedDict):
+    """A package, as a run file has it."""
+
+    file: str
+    inputs_sha256: NotRequired[str]
 
 
 def case_file(path: Path) -> Path:
@@ -82,9 +90,9 @@ def needed(signals: Mapping[str, Any]) -> dict[str, list[str]]:
     return {run: list(names) for run, names in by_run.items()}
 
 
-def with_parts(names: Collection[str], signals: Mapping[str, Any]) -> dict[str, Any]:
+def with_parts(names: Collection[str], signals: Mapping[str, Item]) -> dict[str, Item]:
     """Return signals by name with all those that they read in the same run."""
-    complete: dict[str, object] = {}
+    complete: dict[str, Item] = {}
     left = list(names)
     while left:
         name = left.pop()
@@ -107,7 +115,7 @@ def loaded_places(name: str, mechanism: "Mechanism") -> list[str]:
     return list(dict.fromkeys(places))
 
 
-def package_entries(table: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
+def package_entries(table: Mapping[str, Any]) -> Iterator[PackageEntry]:
     """Yield file and digest of all packages that a run needs, other runs included."""
     yield from table["packages"].values()
     yield from table.get("check_packages", {}).values()

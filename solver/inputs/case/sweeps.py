@@ -17,6 +17,7 @@ from ...math.expressions.parse import ExpressionError, Plain, parsed
 from ...math.expressions.program import Node, value_at
 from ..common.input_table import Table, bare_lines, lines, meant
 from ..common.input_table import unit as unit_of
+from ..common.text_file import Tables
 from ..common.units import LENGTHS, in_metres
 from .bodies.descriptions import described
 from .bodies.specifications import BodySpec, BodySpecs
@@ -26,7 +27,7 @@ from .tables.kinds import ALONG, CURVE
 from .tables.laws import RESOLVED
 from .tables.schema import Mechanism, Sweep, mechanism_of, number_of, put
 
-MergedOf = Callable[[str], dict[str, Any]]
+MergedOf = Callable[[str], Tables]
 
 
 class Misplaced(Exception):

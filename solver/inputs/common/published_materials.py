@@ -19,7 +19,7 @@ class Published:
 
     meaning: str
     source: str
-    table: dict[str, Any]
+    table: dict[str, object]
 
 
 def _ply(meaning: str, elastic: tuple[float, ...], strengths: tuple[float, ...]) -> Published:

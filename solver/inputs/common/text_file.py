@@ -11,6 +11,7 @@ from ...errors import InputError, printable
 
 # TOML files as plain tables.
 
+Tables = dict[str, Any]  # as they are read, not checked yet
 LEVELS = 100  # of tables and lists in each other
 CASE = "case file"
 # Keys that only one kind of file has: one message about them says more than one about each key.

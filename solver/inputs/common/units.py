@@ -56,7 +56,7 @@ def own_scale(table: Any) -> Any:
     return {**table, "mesh": {"scale": LENGTHS[unit], **mesh}}
 
 
-def file_units(table: Any) -> dict[str, Any]:
+def file_units(table: Any) -> dict[str, str]:
     """Return the context of validators for the units of a file; of a wrong value, those of SI."""
     unit = table.get(UNITS, "m") if isinstance(table, Mapping) else "m"
     return {UNITS: unit} if isinstance(unit, str) and unit in LENGTHS else {}

@@ -17,7 +17,6 @@ import io
 import os
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -108,7 +107,7 @@ def cell_section_spec(section: CellSection, folder: Path) -> dict[str, object]:
             elastic_from_dict(section.materials[name], section.places[name], massless=True)
         except MaterialError as error:
             raise InputError(str(error)) from error
-    spec: dict[str, Any] = {
+    spec: dict[str, object] = {
         "name": section.file.stem,
         "title": section.title or section.file.name,
         "convention": "contour",

@@ -12,6 +12,7 @@ from pydantic import BeforeValidator, Discriminator, Field, Tag, create_model, m
 from ..common.input_table import Name, Pair, Table, entry, optional, validated
 from ..common.materials import Angle, Content, Laminate, Material
 from ..common.units import MEANING, Unit, file_units, own_scale
+from .shapes.contract import Values
 from .shapes.library import SHAPES, Parameter, Shape
 
 FILE = "file"  # the member of a union that is not a shape
@@ -29,7 +30,7 @@ class ShapeMesh(MeshTable):
     shape: str
 
     @property
-    def values(self) -> dict[str, Any]:
+    def values(self) -> Values:
         """Sizes as arguments of the shape."""
         return self.model_dump(exclude={"shape", "degree"}, exclude_none=True)
 

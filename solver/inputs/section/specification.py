@@ -324,7 +324,7 @@ def section_spec(table: Mapping[str, Any], file: Path, folder: Path = BUILD) -> 
 
 def _along(description: SectionDescription) -> dict[str, object]:
     """Return the keys that are not about the plane of the section."""
-    keys: dict[str, Any] = {}
+    keys: dict[str, object] = {}
     if description.allow:
         keys["allow"] = list(description.allow)
     if description.initial_curvature is not None:

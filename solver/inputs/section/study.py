@@ -23,7 +23,7 @@ from .vabs import is_of_another_code, spec_of_another_code
 # Change of keys of a section description.
 
 
-def changed(table: dict[str, Any], changes: Mapping[str, Any], file: Path) -> dict[str, Any]:
+def changed(table: dict[str, object], changes: Mapping[str, Any], file: Path) -> dict[str, object]:
     """Return the table of a description with other values.
 
     Parameters
@@ -42,7 +42,7 @@ def changed(table: dict[str, Any], changes: Mapping[str, Any], file: Path) -> di
     return table
 
 
-def _place(table: dict[str, Any], key: str, file: Path) -> tuple[Any, str | int]:
+def _place(table: dict[str, object], key: str, file: Path) -> tuple[Any, str | int]:
     """Return the table or list of a dotted key, and its last part; see `changed`."""
     *path, end = _parts(key)
     place: Any = table

@@ -54,7 +54,7 @@ class StructureOf(NamedTuple):
     parts: tuple[Any, ...]
 
 
-_KINDS: dict[str, Any] = {"array": ArrayOf, "tuple": TupleOf, "structure": StructureOf}
+_KINDS = {"array": ArrayOf, "tuple": TupleOf, "structure": StructureOf}
 
 
 def parse(text: str) -> Any:

@@ -26,6 +26,7 @@ from .plain_data import json_table, json_text
 
 Object = TypeVar("Object")
 Sizes = Mapping[str, int]
+Datasets = dict[str, Any]  # by path: arrays, numbers, texts and tables
 
 WORDS = ("unit", "frame", "description")  # attributes of datasets
 WORTH_PACKING = 6000  # bytes; HDF5 adds an index of about 2300 to a compressed dataset
@@ -191,9 +192,9 @@ def _sized_by(kind: Any) -> dict[str, str]:
     return sizes
 
 
-def field_values(item: Any, at: str = "") -> dict[str, Any]:
+def field_values(item: Any, at: str = "") -> Datasets:
     """Return the values of a dataclass by path, without those of named members."""
-    values: dict[str, Any] = {}
+    values: Datasets = {}
     for field in _fields(_kind(item)):
         value, mark = getattr(item, field.name), field.mark
         if value is None:
@@ -223,9 +224,9 @@ def members(item: Any) -> Iterator[tuple[str, int, Any]]:
             yield from ((field.mark.path, index, member) for index, member in rows)
 
 
-def all_values(item: Any) -> dict[str, Any]:
+def all_values(item: Any) -> Datasets:
     """Return the values of a dataclass and of its named members by path."""
-    values: dict[str, Any] = {}
+    values: Datasets = {}
     for parent, _, one in members(item):
         values |= field_values(one, f"{parent}/{one.name}/" if parent else "")
     return values
@@ -376,12 +377,15 @@ def write_encoded(group: h5py.Group, datasets: Iterable[Encoded]) -> None:
             if spec.type == "attribute":
                 set_text(own.require_group(f"./{spec.place}"), spec.name, array)
                 continue
-            how: dict[str, Any] = {}
+            chunks = packing = None
             if array.nbytes > WORTH_PACKING and (spec.packed or _is_mostly_zero(array)):
                 # VTK's views of the modes read one after the other
-                chunk = (1, *array.shape[1:]) if spec.axes[0] == "m" else array.shape
-                how = {"chunks": chunk, "compression": "gzip", "shuffle": True}
-            dataset = own.create_dataset(spec.path, data=array, dtype=array.dtype, **how)
+                chunks = (1, *array.shape[1:]) if spec.axes[0] == "m" else array.shape
+                packing = "gzip"
+            dataset = own.create_dataset(
+                spec.path, array.shape, array.dtype, array,
+                chunks=chunks, compression=packing, shuffle=packing and True,
+            )  # fmt: skip
             for key, word in zip(WORDS, (spec.unit, spec.frame, spec.text), strict=True):
                 set_text(dataset, key, word)
 
@@ -417,7 +421,7 @@ def read_fields(group: h5py.Group, kind: Callable[..., Object], **given: Any) ->
             given[field.name] = tuple(
                 read_fields(g, field.item, name=g.name.rsplit("/", 1)[1]) for g in items
             )
-    values: dict[str, Any] = {}
+    values: Datasets = {}
     for spec in layout(kind):
         if spec.type == "attribute":
             if text := get_text(group[f"./{spec.place}"], spec.name):

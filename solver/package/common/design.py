@@ -16,12 +16,11 @@ import numpy as np
 from ...errors import PackageError, did_you_mean
 from ...math.arrays import Array
 from .container import get_text, set_text
-from .dataset import all_values, check_name, rebuilt
+from .dataset import Datasets, all_values, check_name, rebuilt
 from .findings import Remark, finite
 from .plain_data import json_text
 
 Object = TypeVar("Object")
-Datasets = dict[str, Any]
 GROUP = "design"
 
 

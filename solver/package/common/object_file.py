@@ -350,13 +350,13 @@ class ObjectFormat(FileFormat, Generic[Object]):
     def load(self, file: h5py.File, kind: type[Loaded]) -> Loaded:
         """Read the object of a file with a checked layout, or a part of it, of this kind."""
         provenance = get_text(file, "provenance", "{}")
-        own: dict[str, Any] = {
+        where = f"{file.filename}: attribute provenance"
+        given = {
             self.title: get_text(file, self.title),
-            "provenance": json_table(f"{file.filename}: attribute provenance", provenance),
+            "provenance": json_table(where, provenance),
+            **({"design": read_design(file[self.group])} if self._designed else {}),
         }
-        if self._designed:
-            own["design"] = read_design(file[self.group])
-        return read_fields(file[self.group], kind, **own)
+        return read_fields(file[self.group], kind, **given)
 
 
 def write_object(path: str | Path, known: ObjectFormat[Object], item: Any) -> None:

@@ -120,7 +120,7 @@ class LaminateRows:
         Data("b, 3", "kg/m2, kg/m, kg", "-", "density times 1, z, z^2 over z", "laminates/mass"),
     ]
     report: Annotated[
-        tuple[dict[str, object], ...],
+        tuple[dict[str, Any], ...],
         Data("b", "-", "-", "symmetry, balance, constants, as JSON text", "laminates/reports"),
     ]
     owner: Annotated[
@@ -258,7 +258,7 @@ class ShellFile:
     mesh: Annotated[ShellMeshData, Nested("mesh")]
     laminates: Annotated[tuple[ShellLaminate, ...], Nested(via=LaminateRows)]
     materials: Annotated[
-        dict[str, dict[str, object]], Data(text="constants and strengths by name, as JSON text")
+        dict[str, dict[str, Any]], Data(text="constants and strengths by name, as JSON text")
     ]
     supports: Annotated[ShellPlaces, Nested("supports")]
     links: Annotated[ShellLinks, Nested("links")]

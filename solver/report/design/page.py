@@ -1,7 +1,7 @@
 """Studies of a design in the report: before and after, lay-ups, what helps most, history."""
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from html import escape
 from math import cos, radians, sin
 from pathlib import Path
@@ -33,7 +33,7 @@ def design_sections(case_dir: Path) -> list[str]:
     ]
 
 
-def write_page(folder: Path, study: dict[str, object]) -> Path:
+def write_page(folder: Path, study: Mapping[str, Any]) -> Path:
     """Write the page of a study into its folder; return its path."""
     title = f"{study['case']}: {study['title']}"
     body = f"<header><h1>{escape(title)}</h1></header><main>{study_section(study)}</main>"
@@ -41,7 +41,7 @@ def write_page(folder: Path, study: dict[str, object]) -> Path:
     return folder / PAGE
 
 
-def study_section(study: dict[str, Any]) -> str:
+def study_section(study: Mapping[str, Any]) -> str:
     """Return the section of a study, from the content of design.json."""
     best, shown = study["optimum"], study["optimum"]["shown"]
     verified = study.get("verified", {}).get("shown")
@@ -115,7 +115,7 @@ def _picture(width: float, height: float, name: str, parts: Sequence[str]) -> st
     )
 
 
-def _stacks(layups: Sequence[dict[str, Any]]) -> str:
+def _stacks(layups: Sequence[Mapping[str, Any]]) -> str:
     """Return pictures of lay-ups: plies in the order of the description, before and after."""
     stacks = []
     for layup in layups:
@@ -152,7 +152,7 @@ def _ply(x: float, y: float, angle: float, thickness: str) -> str:
     )
 
 
-def _arrows(study: dict[str, Any]) -> str:
+def _arrows(study: Mapping[str, Any]) -> str:
     """Return arrows: what a parameter does for the objective, over its range; right: more of it."""
     parts, y = list[str](), 20.0
     sign = -1.0 if study["sense"] == "minimise" else 1.0
@@ -189,7 +189,7 @@ def _arrows(study: dict[str, Any]) -> str:
     return f"<h3>What helps most</h3>{note}{_picture(520, y, 'What helps most', parts)}"
 
 
-def _history(study: dict[str, Any]) -> str:
+def _history(study: Mapping[str, Any]) -> str:
     """Return the objective over the iterations of all starts."""
     lines = [[p["shown"][0] for p in start["history"]] for start in study["starts"]]
     values = [v for line in lines for v in line]
@@ -212,7 +212,7 @@ def _history(study: dict[str, Any]) -> str:
     return f"<h3>History of all starts</h3>{_picture(WIDE, HIGH + 36, 'History', parts)}"
 
 
-def _front(study: dict[str, Any]) -> str:
+def _front(study: Mapping[str, Any]) -> str:
     """Return the designs of which none is better in both numbers of a study with `front`."""
     points = [(point["shown"][-1], point["shown"][0]) for point in study.get("front", [])]
     if len(points) < 2:

@@ -7,7 +7,7 @@ the axes and the sources. Input files of VABS, BECAS, BeamDyn and HAWC2 are writ
 conventions.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -327,7 +327,7 @@ def _nine(nodes: IntArray, kind: int) -> str:
     return " ".join(map(str, [*numbers, *[0] * (9 - len(numbers))]))
 
 
-def _constants(name: str, table: dict[str, Any]) -> tuple[list[float], float]:
+def _constants(name: str, table: Mapping[str, Any]) -> tuple[list[float], float]:
     """Nine constants and the density of a material."""
     if table.get("kind") == "isotropic":
         E, nu = float(table["E"]), float(table["nu"])

@@ -407,7 +407,7 @@ class Row:
 
     name: str
     status: str  # "built", "unchanged", "failed"
-    changes: dict[str, Any]
+    changes: dict[str, object]
     results: SectionResults | None = None
     error: str = ""
 

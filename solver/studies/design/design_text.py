@@ -1,6 +1,7 @@
 """What a study tells in text: the table of a command, and the best design as a variant."""
 
 import os
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +11,7 @@ from ...report.table import aligned
 from .problem import FEASIBLE
 
 
-def outcome_lines(study: dict[str, Any], folder: Path) -> list[str]:
+def outcome_lines(study: Mapping[str, Any], folder: Path) -> list[str]:
     """Return the lines that the command prints: measures before and after, then parameters."""
     starts, best = study["starts"], study["optimum"]
     total = sum(s["computed"] for s in starts)
@@ -59,7 +60,7 @@ def outcome_lines(study: dict[str, Any], folder: Path) -> list[str]:
     return lines
 
 
-def variant_text(study: dict[str, Any]) -> str:
+def variant_text(study: Mapping[str, Any]) -> str:
     """Return the best design as a variant of the case, in TOML."""
     lines = [
         f"# The best design of study {study['study']}: a variant for the case, to be named in",

@@ -176,7 +176,7 @@ def made_beside(
     if own not in traced:
         yield from (Made(spec, None, {}, None) for spec in pair)
         return
-    histories: tuple[dict[str, Any], dict[str, Any]] = ({}, {})
+    histories: list[dict[str, tuple[Array, dict[str, Array]]]] = [{}, {}]
     for run, motion in motions.items():
         if run == own:
             continue
@@ -218,7 +218,7 @@ def gradients(
             "tangent, without an objective"
         )
     pairs, columns, start = sides(prepared, parameters)
-    times, held = output_times(solver.t_end, solver.output_step), dict[str, Any]()
+    times, held = output_times(solver.t_end, solver.output_step), dict[str, object]()
     itself = Variant(replace(prepared.built, model=model), prepared.y0)
     read(itself, Recording(model, times, y, {HELD: held}))  # notes which plies govern
 

@@ -24,7 +24,7 @@ OBJECTIVE: Final = "objective"  # of summary.json
 
 
 def compute_gradient(
-    table: dict[str, Any],
+    table: dict[str, object],
     file: Path,
     run: str,
     keys: Sequence[str],

@@ -236,10 +236,13 @@ class Strength(Measure):
         body, package = finished.built.body_names.index(name), finished.built.packages[name]
         rows = []
         for region, ply in _plies(package):
-            table: dict[str, Any] = {"kind": "exposure", "body": name, "region": region, "ply": ply}
+            table = {"kind": "exposure", "body": name, "region": region, "ply": ply}
             try:
                 values = strength_values(
-                    f"{name}, {region}, ply {ply}", body, package, StrengthSignal(**table)
+                    f"{name}, {region}, ply {ply}",
+                    body,
+                    package,
+                    StrengthSignal.model_validate(table),
                 )
             except InputError:  # a ply without strengths
                 continue

@@ -63,7 +63,7 @@ STATE = 2  # version of what is kept of a design: raised when its numbers change
 class StudySpec:
     """What a process needs to compute designs of a study; it can be pickled."""
 
-    table: dict[str, Any]  # the case as the user wrote it
+    table: dict[str, object]  # the case as the user wrote it
     file: Path  # of the case
     coarse: bool
     study: str

@@ -153,7 +153,7 @@ def not_checked(answer: Answer) -> list[str]:
     return lines
 
 
-def entry(answer: Answer) -> dict[str, Any]:
+def entry(answer: Answer) -> dict[str, object]:
     """Return the entry `fidelity` of summary.json."""
     fidelity = answer.spec.fidelity
     indicators = answer.study.indicators

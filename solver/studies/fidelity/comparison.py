@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -14,6 +14,9 @@ from ...mechanism.built import BuiltMechanism
 from ...signals import Sensor, sensors
 from ..tolerances import FAINT, FORCE_NOISE
 from .plan import with_values
+
+if TYPE_CHECKING:
+    from ...inputs.case.tables.signals import Signal
 
 
 def difference(metric: str, one: Array, two: Array) -> Array:
@@ -54,7 +57,7 @@ class Relatives:
     """
 
     names: list[str]
-    table: dict[str, Any]
+    table: "dict[str, Signal]"
     least: dict[str, float]
     factors: dict[str, dict[str, float]]
 

@@ -158,7 +158,7 @@ def linear_system(states: States, result: Found) -> Realisation:
 def _write_linear(folder: Path, states: States, result: Found) -> None:
     """Write linear.npz and linear.mat: A, B, C, D with names and units of what they connect."""
     system = linear_system(states, result)._asdict()
-    matrices: dict[str, Any] = {key: system.pop(key) for key in "ABCD"}
+    matrices: dict[str, Array] = {key: system.pop(key) for key in "ABCD"}
     matrices |= {
         "eigenvalues": result.modes.eigenvalues,
         "shapes": result.modes.x,

@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -62,7 +61,7 @@ def compute_sensitivities(
 
 
 def asked_of(
-    table: dict[str, Any],
+    table: dict[str, object],
     file: Path,
     run: str,
     keys: Sequence[str],

@@ -2,7 +2,6 @@
 
 from collections.abc import Container, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -149,7 +148,7 @@ class Followed:
     y: Array
     S: Array
     pairs: Sequence[tuple[Variant, Variant]]
-    held: dict[str, Any]
+    held: dict[str, object]
 
     def recording(self) -> Recording:
         """Return the motion itself; what governs in it is noted."""
@@ -296,7 +295,7 @@ def step_derivatives(stepper: Stepper) -> Array:
     times = np.array([before.t, t])
     follower = _Follower(prepared, tangent, times, before.y)
     stepper.retraced(follower)
-    y, held = stepper.y[None], dict[str, Any]()
+    y, held = stepper.y[None], dict[str, object]()
     recording = Recording(model, times[1:], y, {HELD: held})
     for sensor in stepper.outputs.values():
         sensor.values(recording)

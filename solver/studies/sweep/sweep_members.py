@@ -4,7 +4,7 @@ import hashlib
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 from pydantic import Field, PrivateAttr, ValidationError
 
@@ -34,7 +34,7 @@ class Parameter(Table):
 class Variant(Table):
     """A run with changes."""
 
-    changes: dict[str, Any]  # dotted keys of the mechanism
+    changes: dict[str, object]  # dotted keys of the mechanism
     packages: dict[str, Number]  # body -> number in the list of packages
 
 
@@ -73,7 +73,7 @@ class SweepSpec(Table):
     parameters: list[Parameter]
     signals: list[str]
     histories: list[str]
-    table: dict[str, Any] = Field(alias="mechanism")  # that all members change
+    table: dict[str, object] = Field(alias="mechanism")  # that all members change
     other_runs: dict[str, dict[str, object]]  # mechanisms of other runs, likewise
     members: list[Member]
     packages: list[_Package]

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
-from typing import Any, cast
+from typing import cast
 
 import numpy as np
 
@@ -174,7 +174,7 @@ def rounded(values: Array, size: float) -> list[list[float]]:
 
 def section_spec(
     station: BeamStation, mechanism: Mechanism, folder: Path
-) -> tuple[dict[str, Any], list[Path]]:
+) -> tuple[dict[str, object], list[Path]]:
     """Return the specification of the section of a station, and the files that it is made from.
 
     Parameters
@@ -198,7 +198,7 @@ def section_spec(
     mesh, regions = shape_mesh(table, {ALL: region}, {ALL: [ply]}, folder, where=key)
     if table.degree is not None:
         mesh["degree"] = table.degree
-    spec = {
+    spec: dict[str, object] = {
         "name": station.section,
         "convention": "contour",
         "mesh": mesh,

@@ -209,7 +209,7 @@ def rich_bodies(name: str, mechanism: Mechanism) -> tuple[Any, Any]:
 def _rich(name: str, body: BeamBody | ShellBody, mechanism: Mechanism, which: int) -> Any:
     clamped = body.reference.places[0] if body.reference.kind == "clamped" else None
     loaded = loaded_places(name, mechanism)
-    tables: list[dict[str, Any]]
+    tables: list[dict[str, object]]
     if body.kind == "beam":
         tables = [{"kind": k, "count": counts[which]} for k, counts in BEAM_VIBRATIONS.items()]
     else:
@@ -233,7 +233,9 @@ def _rich(name: str, body: BeamBody | ShellBody, mechanism: Mechanism, which: in
 CHECK = ".check"  # after the name of a body: its package of the check
 
 
-def model_and_check(specs: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
+def model_and_check(
+    specs: Mapping[str, BodySpec],
+) -> tuple[dict[str, BodySpec], dict[str, BodySpec]]:
     """Separate what belongs to the bodies of a case from what belongs to their check packages."""
     check = {n.removesuffix(CHECK): s for n, s in specs.items() if n.endswith(CHECK)}
     return {n: s for n, s in specs.items() if not n.endswith(CHECK)}, check

@@ -78,7 +78,7 @@ COLUMNS = (*PLACES, TWIST, *(f"{letter}{i + 1}{j + 1}" for letter in "KM" for i,
 REPLACED = ("length", "line", "twist_deg", "section", "stations", "material", "ply_angle_deg")
 
 
-def with_beam_table(data: dict[str, Any], folder: Path) -> dict[str, Any]:
+def with_beam_table(data: dict[str, object], folder: Path) -> dict[str, object]:
     """Return the table of a beam with line, twist and stations of its file `table`.
 
     Parameters
@@ -92,7 +92,7 @@ def with_beam_table(data: dict[str, Any], folder: Path) -> dict[str, Any]:
     """
     if given := [key for key in REPLACED if data.get(key)]:
         raise ValueError(f"expected no `{given[0]}`, which the file of `table` has")
-    file = folder / data["table"]
+    file = folder / str(data["table"])
     try:
         values = _read(file)
         points = np.column_stack([values[key] for key in PLACES])

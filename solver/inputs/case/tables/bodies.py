@@ -196,11 +196,11 @@ class DescribedSection(Table):
     one_of = ("file", "description")
 
     file: FilePath | None = optional("path of a section description, relative to the case file")
-    description: dict[str, Any] | None = optional(
+    description: dict[str, object] | None = optional(
         "instead: the description itself, without format and title; it may use the materials of "
         "the case"
     )
-    changes: dict[str, Any] = entry(CHANGES, default={})
+    changes: dict[str, object] = entry(CHANGES, default={})
 
     @model_validator(mode="before")
     @classmethod
@@ -321,7 +321,7 @@ class ShellBody(Meshed):
     refine: int = entry(
         f"{REFINE}; added to that of the description", default=0, ge=0, le=MOST_REFINED
     )
-    changes: dict[str, Any] = entry(CHANGES, default={})
+    changes: dict[str, object] = entry(CHANGES, default={})
     mass_form: MassForm = entry(
         "inertia from consistent mass, or lumped (the paper)", default="consistent"
     )

@@ -159,15 +159,15 @@ class Rotor(Table):
         table, rows = _of(data, info, "table", SECTION, ("place", "polar"), ("sections",))
         if rows:  # files are in SI, what is checked below in the unit of the case
             per_metre = 1.0 / LENGTHS[unit_of(info)]
-            lengths = ({key: row[key] * per_metre for key in SECTION[:3]} for row in rows)
+            lengths = ({key: float(row[key]) * per_metre for key in SECTION[:3]} for row in rows)
             table["sections"] = [{**row, **each} for row, each in zip(rows, lengths, strict=True)]
         table, rows = _of(table, info, "polar_table", POLAR, ("polar",), ("polars",))
         if rows:
             polars: dict[str, dict[str, list[float]]] = {}
             for row in rows:
-                polar = polars.setdefault(row["polar"], {key: [] for key in POLAR})
+                polar = polars.setdefault(str(row["polar"]), {key: [] for key in POLAR})
                 for key in POLAR:
-                    polar[key].append(row[key])
+                    polar[key].append(float(row[key]))
             table["polars"] = polars
         return table
 
@@ -189,7 +189,7 @@ def _of(
     numbers: tuple[str, ...],
     texts: tuple[str, ...],
     others: tuple[str, ...],
-) -> tuple[Any, list[dict[str, Any]]]:
+) -> tuple[Any, list[dict[str, float | str]]]:
     """Return a table, and the rows of the file at its key; none if it is not to be read now.
 
     In place of a file that cannot be read the table gets an `_Unreadable`, an error of this key.
@@ -207,7 +207,9 @@ def _of(
         return {**data, key: _Unreadable(data[key], str(error))}, []
 
 
-def _rows(file: Path, numbers: tuple[str, ...], texts: tuple[str, ...]) -> list[dict[str, Any]]:
+def _rows(
+    file: Path, numbers: tuple[str, ...], texts: tuple[str, ...]
+) -> list[dict[str, float | str]]:
     """Return the rows of a file by column; without words, columns are in order, under any names
     but those of other columns.
 
@@ -226,7 +228,7 @@ def _rows(file: Path, numbers: tuple[str, ...], texts: tuple[str, ...]) -> list[
     if any(a in stems and a != b for a, b in zip(names, stems, strict=False)):
         order = ", ".join(numbers)
         raise ValueError(f"{file}: columns {','.join(table[0])!r}; expected {order} in this order")
-    rows = []
+    rows: list[dict[str, float | str]] = []
     for (line, _), row in zip(lines, table, strict=True):
         cells = dict(zip(head, (cell.strip() for cell in row), strict=False))
         if line == lines[0][0] and not is_number(cells.get(numbers[0], "")):
