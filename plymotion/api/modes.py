@@ -35,8 +35,8 @@ class Modes:
     """
 
     def __init__(self, states: States, at: At, axis: Array | None) -> None:
-        self._states, self._found = states, find_modes(states, states.at(at, axis))
-        self.numbers: dict[str, Any] = modes_content(states, self._found)
+        self._found = find_modes(states, states.at(at, axis))
+        self.numbers: dict[str, object] = modes_content(self._found)
 
     @property
     def frequencies(self) -> Array:
@@ -46,7 +46,7 @@ class Modes:
         >>> pm.modes("pendulum.toml", at="equilibrium").frequencies.round(3)
         array([0.609])
         """
-        return np.array([mode["frequency_hz"] for mode in self.numbers["modes"]])
+        return np.array([mode.frequency_hz for mode in self._found.each])
 
     @property
     def damping(self) -> Array:
@@ -56,7 +56,7 @@ class Modes:
         >>> bool(abs(pm.modes("pendulum.toml", at="equilibrium").damping[0]) < 1e-6)
         True
         """
-        return np.array([mode["damping_ratio"] for mode in self.numbers["modes"]])
+        return np.array([mode.damping_ratio for mode in self._found.each])
 
     @property
     def names(self) -> list[str]:
@@ -66,7 +66,7 @@ class Modes:
         >>> len(pm.modes("pendulum.toml", at="equilibrium").names)
         1
         """
-        return [mode["main"] for mode in self.numbers["modes"]]
+        return [mode.main for mode in self._found.each]
 
     @property
     def notes(self) -> list[str]:
@@ -76,7 +76,7 @@ class Modes:
         >>> pm.modes("pendulum.toml", at="equilibrium").notes
         []
         """
-        return list(self.numbers["notes"])
+        return list(self._found.notes)
 
     @cached_property
     def system(self) -> Realisation:
@@ -86,7 +86,7 @@ class Modes:
         >>> pm.modes("pendulum.toml", at="equilibrium").system.A.shape
         (2, 2)
         """
-        return linear_system(self._states, self._found)
+        return linear_system(self._found)
 
     def response(
         self,
@@ -127,7 +127,7 @@ class Modes:
         ['modes.json', 'linear.npz', 'linear.mat', 'modes.png', 'mode-01.vtkhdf']
         """
         with named(folder):
-            names = write_modes(Path(folder), self._states, self._found, shapes, None)
+            names = write_modes(Path(folder), self._found, shapes)
         return [Path(folder) / name for name in names]
 
     def to_pandas(self) -> Any:
@@ -137,7 +137,7 @@ class Modes:
         >>> float(pm.modes("pendulum.toml", at="equilibrium").to_pandas()["frequency_hz"][0]) > 0.6
         True
         """
-        return pandas().DataFrame(self.numbers["modes"])
+        return pandas().DataFrame(self._found.each)
 
     def __repr__(self) -> str:
         listed = ", ".join(f"{hertz:.4g}" for hertz in self.frequencies[:5])
@@ -174,16 +174,12 @@ class Campbell:
 
     def __init__(self, diagram: Diagram) -> None:
         self._diagram = diagram
-        self.numbers: dict[str, Any] = diagram.content()
-        fixed = self.numbers["axes"] == "fixed"
-        key = "fixed_axes_angular_frequency" if fixed else "angular_frequency"
-        branches = self.numbers["branches"]
-        self.speeds = np.array(self.numbers["speeds"])
-        self.names = [str(branch["main"]) for branch in branches]
-        rows = [np.array(branch[key], dtype=float) for branch in branches]
+        self.numbers = diagram.content()
+        self.speeds, self.names = np.array(diagram.speeds), diagram.names
+        rows = [np.array(branch.seen(diagram.fixed), dtype=float) for branch in diagram.branches]
         self.frequencies = np.abs(np.array(rows).T) / (2.0 * np.pi)
         self.crossings: list[dict[str, Any]] = self.numbers["crossings"]
-        self.notes: list[str] = self.numbers["notes"]
+        self.notes = list(diagram.spins.notes)
 
     def plot(self, axes: Any = None, **style: Any) -> Any:
         """Draw the branches over the speed; return the axes. Needs matplotlib.

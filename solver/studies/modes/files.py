@@ -23,7 +23,7 @@ from .state import States
 
 
 def write_modes(
-    folder: Path, states: States, result: Found, shapes: int, response: Response | None
+    folder: Path, result: Found, shapes: int, response: Response | None = None
 ) -> list[str]:
     """Write modes.json, linear.npz, linear.mat, the lowest shapes and a response, if any.
 
@@ -32,15 +32,14 @@ def write_modes(
     Parameters
     ----------
     folder : folder of the files
-    states : mechanism and the states that were asked for
-    found : modes about a state
+    result : modes about a state
     shapes : number of shapes to draw
     response : transfer functions; None: none asked for
     """
     refuse_foreign(folder / "modes.json")
     folder.mkdir(parents=True, exist_ok=True)
-    _write_linear(folder, states, result)
-    write_text(folder / "modes.json", dump(modes_content(states, result)))
+    _write_linear(folder, result)
+    write_text(folder / "modes.json", dump(modes_content(result)))
     files = ["modes.json", "linear.npz", "linear.mat"]
     if response is not None:
         # Magnitude and phase of each pair.
@@ -53,7 +52,7 @@ def write_modes(
         write_text(folder / "response.csv", csv_text([head, *np.array(columns).T.tolist()], "\n"))
         _draw_response(folder / "response.png", response)
         files += ["response.csv", "response.png"]
-    return [*files, *draw_shapes(folder, states, result, shapes)]
+    return [*files, *draw_shapes(folder, result, shapes)]
 
 
 def write_campbell(folder: Path, diagram: Diagram) -> list[str]:
@@ -69,9 +68,9 @@ def write_campbell(folder: Path, diagram: Diagram) -> list[str]:
 # modes.json: the modes as plain data.
 
 
-def modes_content(states: States, result: Found) -> dict[str, object]:
+def modes_content(result: Found) -> dict[str, object]:
     """Return the content of modes.json."""
-    state, rank = result.state, result.space.rank
+    spec, state, rank = result.states.spec, result.state, result.space.rank
     spin = None
     if state.spin is not None:
         spin = {
@@ -80,8 +79,8 @@ def modes_content(states: States, result: Found) -> dict[str, object]:
             "speed": state.spin.rate,
         }
     return {
-        "case": states.spec.case,
-        "run": states.spec.run,
+        "case": spec.case,
+        "run": spec.run,
         "state": state.words,
         "t": state.t,
         "spin": spin,
@@ -95,26 +94,8 @@ def modes_content(states: States, result: Found) -> dict[str, object]:
             "text": rank.text,
         },
         "difference_error": result.space.error,
-        "modes": [_entry(result, states.built.body_names, k) for k in range(len(result.whirl))],
+        "modes": [mode._asdict() for mode in result.each],
         "notes": list(result.notes),
-    }
-
-
-def _entry(result: Found, body_names: list[str], k: int) -> dict[str, object]:
-    """Return mode k as plain data."""
-    value, w = result.modes.eigenvalues[k], float(result.modes.frequencies[k])
-    still, whirl = bool(result.modes.still[k]), float(result.whirl[k])
-    shares = result.shares.bodies[:, k].tolist()
-    return {
-        "number": k + 1,
-        "frequency_hz": w / (2.0 * np.pi),
-        "angular_frequency": w,
-        "damping_ratio": float(result.damping[k]),
-        "eigenvalue": [0.0, 0.0] if still else [float(value.real), float(value.imag)],
-        "kind": "zero" if still else "oscillation" if w > 0.0 else "real",
-        "fixed_axes_angular_frequency": None if np.isnan(whirl) else whirl,
-        "main": result.shares.main[k],
-        "bodies": dict(zip(body_names, shares, strict=False)),
     }
 
 
@@ -148,16 +129,16 @@ def _draw_response(path: Path, response: Response) -> None:
 # Linearised equations as files for NumPy and MATLAB.
 
 
-def linear_system(states: States, result: Found) -> Realisation:
+def linear_system(result: Found) -> Realisation:
     """Return the linearised equations: A, B, C, D with names and units of what they connect."""
-    built = states.built
+    built = result.states.built
     names = coordinate_names(built.model, built.body_names, built.packages)
     return realisation(result.space, names, built.state_names)
 
 
-def _write_linear(folder: Path, states: States, result: Found) -> None:
+def _write_linear(folder: Path, result: Found) -> None:
     """Write linear.npz and linear.mat: A, B, C, D with names and units of what they connect."""
-    system = linear_system(states, result)._asdict()
+    system = linear_system(result)._asdict()
     matrices: dict[str, Array] = {key: system.pop(key) for key in "ABCD"}
     matrices |= {
         "eigenvalues": result.modes.eigenvalues,
@@ -197,14 +178,13 @@ class Period(NamedTuple):
     points: Array  # (FRAMES + 1, n, 3) with the mode, enlarged [m]
 
 
-def draw_shapes(folder: Path, states: States, result: Found, count: int) -> list[str]:
+def draw_shapes(folder: Path, result: Found, count: int) -> list[str]:
     """Write modes.png and mode-NN.vtkhdf of the lowest modes; return the names of the files.
 
     Parameters
     ----------
     folder : folder of the files
-    states : mechanism and the states that were asked for
-    found : modes about a state
+    result : modes about a state
     count : largest number of shapes
     """
     for old in filter(is_ours, folder.glob(_PATTERN)):
@@ -214,13 +194,13 @@ def draw_shapes(folder: Path, states: States, result: Found, count: int) -> list
         if is_ours(folder / "modes.png"):
             (folder / "modes.png").unlink()
         return []
-    periods = [period_of(states, result, k) for k in range(n)]
+    periods = [period_of(result, k) for k in range(n)]
     digits = max(2, len(str(n)))
     for period in periods:
         with new_file(folder / f"mode-{period.number:0{digits}d}.vtkhdf") as file:
             set_text(file, "format", "plymotion mode")
-            set_text(file, "case", states.spec.case)
-            set_text(file, "run", states.spec.run)
+            set_text(file, "case", result.states.spec.case)
+            set_text(file, "run", result.states.spec.run)
             set_text(file, "mode", f"{period.number}: {period.title}")
             write_animation(file.create_group("VTKHDF"), period.bodies, period.t, period.points)
     _draw_shapes(folder / "modes.png", periods)
@@ -228,16 +208,15 @@ def draw_shapes(folder: Path, states: States, result: Found, count: int) -> list
     return ["modes.png", f"mode-{1:0{digits}d}.vtkhdf{last}"]
 
 
-def period_of(states: States, result: Found, k: int) -> Period:
+def period_of(result: Found, k: int) -> Period:
     """Return one period of mode k, with a largest displacement of _SIZE times the mechanism.
 
     Parameters
     ----------
-    states : mechanism and the states that were asked for
-    found : modes about a state
+    result : modes about a state
     k : number of the mode
     """
-    model, y = result.state.model, result.state.y
+    states, model, y = result.states, result.state.model, result.state.y
     x = result.modes.x[:, k]
     phase = np.exp(2j * np.pi * np.arange(FRAMES + 1) / FRAMES)
 

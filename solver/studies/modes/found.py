@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import compress
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -54,6 +54,20 @@ _JUDGED = 6  # of the lowest frequencies: the highest of any model lack shapes
 _ACCURATE = 1e-4  # estimated error of the differences without a note
 
 
+class Mode(NamedTuple):
+    """A mode, as modes.json has it."""
+
+    number: int
+    frequency_hz: float
+    angular_frequency: float
+    damping_ratio: float
+    eigenvalue: list[float]  # [1/s]
+    kind: str  # zero, oscillation, real
+    fixed_axes_angular_frequency: float | None
+    main: str
+    bodies: dict[str, float]  # shares of the kinetic energy
+
+
 @dataclass(frozen=True)
 class Found:
     """Modes about one state."""
@@ -69,6 +83,27 @@ class Found:
     def notes(self) -> tuple[str, ...]:
         """What a reader should know of the state and of the modes; a design does not ask for it."""
         return tuple(_notes(self.states, self.state, self.space, self.modes))
+
+    @cached_property
+    def each(self) -> list[Mode]:
+        """The modes, from the lowest on."""
+        return [self._mode(k) for k in range(len(self.whirl))]
+
+    def _mode(self, k: int) -> Mode:
+        value, w = self.modes.eigenvalues[k], float(self.modes.frequencies[k])
+        still, whirl = bool(self.modes.still[k]), float(self.whirl[k])
+        shares = self.shares.bodies[:, k].tolist()
+        return Mode(
+            k + 1,
+            w / (2.0 * np.pi),
+            w,
+            float(self.damping[k]),
+            [0.0, 0.0] if still else [float(value.real), float(value.imag)],
+            "zero" if still else "oscillation" if w > 0.0 else "real",
+            None if np.isnan(whirl) else whirl,
+            self.shares.main[k],
+            dict(zip(self.states.built.body_names, shares, strict=False)),
+        )
 
     @property
     def damping(self) -> Array:
@@ -369,6 +404,22 @@ class Spins:
         return result
 
 
+class Branch(NamedTuple):
+    """A branch of a Campbell diagram at the speeds that were asked for; None: not known."""
+
+    branch: int
+    main: str
+    angular_frequency: list[float | None]
+    fixed_axes_angular_frequency: list[float | None]
+    damping_ratio: list[float | None]
+    growth: list[float | None]
+    mode: list[int | None]
+
+    def seen(self, fixed: bool) -> list[float | None]:
+        """Angular frequencies from axes at rest, or from those that turn."""
+        return self.fixed_axes_angular_frequency if fixed else self.angular_frequency
+
+
 class Diagram:
     """A Campbell diagram and its crossings."""
 
@@ -396,29 +447,33 @@ class Diagram:
         """Rows of the speeds that were asked for, without those put between."""
         return np.searchsorted(self.campbell.speeds, self.speeds).astype(np.int64)
 
-    def content(self) -> dict[str, Any]:
-        """Return the content of campbell.json."""
-        c, spec = self.campbell, self.spins.states.spec
-        rows = self.asked
-        branches = [
-            {
-                "branch": b + 1,
-                "main": name,
-                "angular_frequency": _plain(c.frequencies[rows, b]),
-                "fixed_axes_angular_frequency": _plain(c.fixed[rows, b]),
-                "damping_ratio": _plain(c.damping[rows, b]),
-                "growth": _plain(c.growth[rows, b]),
-                "mode": [int(n) + 1 if n >= 0 else None for n in c.modes[rows, b]],
-            }
+    @property
+    def branches(self) -> list[Branch]:
+        """The branches, from the lowest on."""
+        c, rows = self.campbell, self.asked
+        return [
+            Branch(
+                b + 1,
+                name,
+                _plain(c.frequencies[rows, b]),
+                _plain(c.fixed[rows, b]),
+                _plain(c.damping[rows, b]),
+                _plain(c.growth[rows, b]),
+                [int(n) + 1 if n >= 0 else None for n in c.modes[rows, b]],
+            )
             for b, name in enumerate(self.names)
         ]
+
+    def content(self) -> dict[str, Any]:
+        """Return the content of campbell.json."""
+        spec = self.spins.states.spec
         return {
             "case": spec.case,
             "run": spec.run,
             "axis": self.spins.line.axis.tolist(),
             "axes": "fixed" if self.fixed else "turning",
-            "speeds": c.speeds[rows].tolist(),
-            "branches": branches,
+            "speeds": self.campbell.speeds[self.asked].tolist(),
+            "branches": [branch._asdict() for branch in self.branches],
             "crossings": [
                 {
                     "branch": x.branch + 1,
@@ -430,7 +485,7 @@ class Diagram:
                 }
                 for x in self.crossings
             ],
-            "least_overlap": float(np.nanmin(c.overlaps, initial=1.0)),
+            "least_overlap": float(np.nanmin(self.campbell.overlaps, initial=1.0)),
             "notes": list(self.spins.notes),
         }
 
