@@ -132,7 +132,7 @@ def with_stresses(package: ModalPackage, cases: Mapping[str, Any]) -> dict[str, 
                 "criterion": least.criterion,
                 "mode": least.mode,
                 "material": material,
-                "strength_at": places[least.cell].tolist(),
+                "strength_at": places[least.place[0]].tolist(),
             }
     return stressed
 

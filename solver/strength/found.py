@@ -1,27 +1,51 @@
 """What the search for the lowest strength ratio of a body found, for summary, report, warnings."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
 
 from ..math.arrays import Array
+from ..package.common.materials import PlyStrength, YieldStrength
 from ..package.section.section_schema import STRESSES, Ply
+from . import Criterion, criteria_of
 from .search import PeakSearch
 
 
 @dataclass(frozen=True)
-class Failure:
-    """Position, time and mode of the highest exposure of a body, or of one of its plies."""
+class Reserve:
+    """Factor on all loads at which a criterion predicts failure, and the place of the failure."""
 
+    ratio: float  # strength ratio R; margin of safety R - 1          [-]
     criterion: str
     mode: str
-    ratio: float  # strength ratio R; margin of safety R - 1          [-]
-    index: float  # value of the criterion, 1 at failure              [-]
-    x: float  # station along the beam                                [m]
-    point: Array  # (2,) x2, x3 in the section; of a shell (3,) body axes [m]
-    ply: Ply
-    time: float  # [s]
-    stress_M: Array  # (6,) in ply axes, order 11 22 33 23 13 12      [Pa]
-    place: str  # description of the point within the station
+    place: Any
+
+
+def least_reserves(
+    stress_M: Array, strength: PlyStrength | YieldStrength | None, place_of: Callable[[int], Any]
+) -> list[Reserve]:
+    """Return the least reserve of stresses (p, 6) by each criterion; none without strengths.
+
+    Parameters
+    ----------
+    stress_M : in the axes of the material [Pa]
+    strength : of the material, if it has any
+    place_of : place of a row of the stresses
+    """
+    criteria = () if strength is None else criteria_of(strength)
+    return [_reserve(criterion, strength, stress_M, place_of) for criterion in criteria]
+
+
+def _reserve(
+    criterion: Criterion, strength: Any, stress_M: Array, place_of: Callable[[int], Any]
+) -> Reserve:
+    verdict = criterion.assess(stress_M, strength)
+    row = int(np.argmax(verdict.exposure))
+    mode = verdict.modes[int(verdict.mode[row])]
+    return Reserve(float(verdict.ratio[row]), criterion.name, mode, place_of(row))
 
 
 @dataclass(frozen=True)
@@ -30,30 +54,29 @@ class CriticalPoint:
 
     exposure: float
     search: PeakSearch
-    point: int  # of the search
+    row: int  # of the search
     F: Array  # (6,) or (8,) resultants, of a solid stresses
     time: float  # [s]
     x: float  # station along the body [m]
-    at: Array  # Failure.point
-    place: str
+    point: Array  # (2,) x2, x3 in the section; of a shell (3,) body axes [m]
+    place: str  # description of the point within the station
     ply: Ply
 
-    def failure(self) -> Failure:
-        """Return the verdict of the criterion there."""
-        stress_M = self.search.stress_M[self.point] @ self.F
-        verdict = self.search.criterion.assess(stress_M, self.search.strength)
-        return Failure(
-            criterion=self.search.criterion.name,
-            mode=verdict.modes[int(verdict.mode)],
-            ratio=float(verdict.ratio),
-            index=float(verdict.index),
-            x=self.x,
-            point=self.at,
-            ply=self.ply,
-            time=self.time,
-            stress_M=stress_M,
-            place=self.place,
-        )
+    @property
+    def stress_M(self) -> Array:
+        """Stresses (6,) in ply axes, order 11 22 33 23 13 12 [Pa]."""
+        return np.asarray(self.search.stress_M[self.row] @ self.F)
+
+    @cached_property
+    def reserve(self) -> Reserve:
+        """What the criterion says of them."""
+        criterion, strength = self.search.criterion, self.search.strength
+        return _reserve(criterion, strength, self.stress_M[None], lambda _: self.place)
+
+    @property
+    def ratio(self) -> float:
+        """Strength ratio R."""
+        return self.reserve.ratio
 
 
 @dataclass(frozen=True)
@@ -62,13 +85,13 @@ class BodyStrength:
 
     station_x: Array  # (s,) positions along the body                           [m]
     exposure: dict[str, Array]  # (s,) highest 1 / R by criterion     [-]
-    worst: dict[str, Failure]  # by criterion
-    plies: tuple[Failure, ...]  # of every ply, the lowest ratio of all criteria; the weakest first
+    worst: dict[str, CriticalPoint]  # by criterion
+    plies: tuple[CriticalPoint, ...]  # of each, the lowest of all criteria; the weakest first
 
     @property
-    def governing(self) -> Failure:
+    def governing(self) -> CriticalPoint:
         """The lowest strength ratio of all criteria."""
-        return min(self.worst.values(), key=lambda failure: failure.ratio)
+        return min(self.worst.values(), key=lambda peak: peak.ratio)
 
 
 def ranked(
@@ -81,17 +104,16 @@ def ranked(
     station_x, exposure : see BodyStrength
     peaks : by ply and name of the criterion
     """
-    worst: dict[str, Failure] = {}
-    weakest: dict[Ply, Failure] = {}
+    worst: dict[str, CriticalPoint] = {}
+    weakest: dict[Ply, CriticalPoint] = {}
     for (ply, name), peak in peaks.items():
-        failure = peak.failure()
-        if name not in worst or failure.ratio < worst[name].ratio:
-            worst[name] = failure
-        if ply not in weakest or failure.ratio < weakest[ply].ratio:
-            weakest[ply] = failure
+        if name not in worst or peak.ratio < worst[name].ratio:
+            worst[name] = peak
+        if ply not in weakest or peak.ratio < weakest[ply].ratio:
+            weakest[ply] = peak
     if not worst:
         return None
-    plies = tuple(sorted(weakest.values(), key=lambda failure: failure.ratio))
+    plies = tuple(sorted(weakest.values(), key=lambda peak: peak.ratio))
     return BodyStrength(
         station_x, exposure, {name: worst[name] for name in exposure if name in worst}, plies
     )
@@ -99,13 +121,10 @@ def ranked(
 
 def summary(strength: BodyStrength) -> dict[str, object]:
     """The entry of a body in summary.json."""
-    failure = strength.governing
+    worst = strength.governing
     return {
-        **_entry(failure),
-        "stress": {
-            "unit": "Pa",
-            **dict(zip(STRESSES, map(float, failure.stress_M), strict=True)),
-        },
+        **_entry(worst),
+        "stress": {"unit": "Pa", **dict(zip(STRESSES, worst.stress_M.tolist(), strict=True))},
         "criteria": {name: _entry(each) for name, each in strength.worst.items()},
         "plies": [_entry(each) for each in strength.plies],
         "along_beam": {
@@ -115,30 +134,25 @@ def summary(strength: BodyStrength) -> dict[str, object]:
     }
 
 
-def failure_text(body: str, failure: Failure) -> str:
+def failure_text(body: str, peak: CriticalPoint) -> str:
     """Message of the warning about a ply that fails."""
+    reserve, ply = peak.reserve, peak.ply
     return (
-        f"{body}: {failure.criterion} gives a strength ratio of {failure.ratio:.3g} (expected "
-        f"above 1; {failure.mode}) at x = {failure.x:.4g} m, t = {failure.time:.4g} s, in ply "
-        f"{failure.ply.index} of {failure.ply.region} ({failure.ply.material}, "
-        f"{failure.ply.angle_deg:g} deg) at {failure.place}: the linear material model "
-        "is not valid beyond; use a stronger lay-up or a lower load"
+        f"{body}: {reserve.criterion} gives a strength ratio of {reserve.ratio:.3g} (expected "
+        f"above 1; {reserve.mode}) at x = {peak.x:.4g} m, t = {peak.time:.4g} s, in ply "
+        f"{ply.index} of {ply.region} ({ply.material}, {ply.angle_deg:g} deg) at {peak.place}: "
+        "the linear material model is not valid beyond; use a stronger lay-up or a lower load"
     )
 
 
-def _entry(failure: Failure) -> dict[str, object]:
+def _entry(peak: CriticalPoint) -> dict[str, object]:
     return {
-        "ratio": failure.ratio,
-        "margin": failure.ratio - 1.0,
-        "criterion": failure.criterion,
-        "mode": failure.mode,
-        "x": failure.x,
-        "time": failure.time,
-        "ply": {
-            "region": failure.ply.region,
-            "index": failure.ply.index,
-            "material": failure.ply.material,
-            "angle_deg": failure.ply.angle_deg,
-        },
-        "point": failure.point.tolist(),
+        "ratio": peak.ratio,
+        "margin": peak.ratio - 1.0,
+        "criterion": peak.reserve.criterion,
+        "mode": peak.reserve.mode,
+        "x": peak.x,
+        "time": peak.time,
+        "ply": asdict(peak.ply),
+        "point": peak.point.tolist(),
     }

@@ -184,7 +184,7 @@ def test_ranking_of_plies_is_that_of_looking_everywhere(
     expected.sort(key=lambda one: one[0])
     for failure, (ratio, ply, criterion, x, when) in zip(found.plies, expected, strict=True):
         assert failure.ratio == pytest.approx(ratio, rel=1e-12)
-        assert (failure.ply, failure.criterion) == (ply, criterion)
+        assert (failure.ply, failure.reserve.criterion) == (ply, criterion)
         assert (failure.x, failure.time) == (x, when)
     assert [each["ratio"] for each in summary(found)["plies"]] == [f.ratio for f in found.plies]
 

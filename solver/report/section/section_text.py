@@ -21,21 +21,12 @@ from ...package.section.section_schema import (
     SectionRecovery,
 )
 from ...package.section.stress import near_corner, reentrant_corners, strengths
-from ...strength import criteria_of
 from ...strength.beam_bodies import unit_stress_M
+from ...strength.found import Reserve, least_reserves
 from ..table import aligned, json_text, labelled, matrix, rounded, warning_lines
 from .codes import SectionResults, convert
 
 # The highest stresses and the strength ratios of every ply under given resultants.
-
-
-@dataclass(frozen=True)
-class Reserve:
-    """Factor on all resultants at which a criterion predicts failure."""
-
-    ratio: float  # strength ratio R; margin of safety R - 1    [-]
-    mode: str
-    point: tuple[float, float]  # x2, x3 of the first failure   [m]
 
 
 @dataclass(frozen=True)
@@ -44,7 +35,7 @@ class PlyPeak:
 
     ply: Ply
     stress_M: Array  # (6,) of largest size, with sign: 11, 22, 33, 23, 13, 12 [Pa]
-    reserves: dict[str, Reserve]  # by criterion; empty without strengths
+    reserves: dict[str, Reserve]  # by criterion, place: x2, x3 [m]; empty without strengths
 
 
 def ply_peaks(
@@ -71,17 +62,9 @@ def ply_peaks(
             continue  # thinner than the distance between the points, or left out
         own = stress_M[points]
         largest = own[np.argmax(np.abs(own), axis=0), np.arange(6)]
-        reserves = {}
-        if ply.material in known:
-            strength = known[ply.material]
-            for criterion in criteria_of(strength):
-                verdict = criterion.assess(own, strength)
-                worst = int(np.argmax(verdict.exposure))
-                x2, x3 = recovery.points[points[worst]]
-                mode = verdict.modes[int(verdict.mode[worst])]
-                ratio = float(verdict.ratio[worst])
-                reserves[criterion.name] = Reserve(ratio, mode, (float(x2), float(x3)))
-        peaks.append(PlyPeak(ply, largest, reserves))
+        place_of = recovery.points[points].__getitem__
+        reserves = least_reserves(own, known.get(ply.material), place_of)
+        peaks.append(PlyPeak(ply, largest, {one.criterion: one for one in reserves}))
     return peaks
 
 
@@ -125,7 +108,7 @@ def corner_warnings(mesh: SectionMeshData, peaks: list[PlyPeak]) -> list[dict[st
     corners = []
     for name, peak in weakest(peaks).items():
         reserve = peak.reserves[name]
-        away = np.linalg.norm(mesh.nodes[nodes] - reserve.point, axis=1)
+        away = np.linalg.norm(mesh.nodes[nodes] - reserve.place, axis=1)
         nearest = int(np.argmin(away))
         if away[nearest] < sizes[nearest]:
             corners.append((reserve.ratio, away[nearest], nodes[nearest], name))
@@ -204,7 +187,7 @@ def _margins(peaks: Sequence[PlyPeak]) -> list[str]:
     lines.append(aligned(rows, head=1, rule=False))
     for name, worst in least.items():
         reserve = worst.reserves[name]
-        x2, x3 = reserve.point
+        x2, x3 = reserve.place
         lines.append(
             f"least by {name}: {reserve.ratio - 1.0:.3g} in {_ply(worst)} "
             f"({reserve.mode}) at x2 = {x2:.4g} m, x3 = {x3:.4g} m"

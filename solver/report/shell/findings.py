@@ -16,22 +16,11 @@ from ...package.common.object_file import check_provenance
 from ...package.section.stress import strengths
 from ...package.shell.shell_file import read_shell
 from ...package.shell.shell_schema import SHELL_STRESSES, ShellFile, ShellLaminate
-from ...strength import criteria_of
+from ...strength.found import Reserve, least_reserves
 
 # The highest stresses and the least strength ratio of every ply of a laminate, over its cells.
 
 LEVELS = ("bottom", "middle", "top")
-
-
-@dataclass(frozen=True)
-class Reserve:
-    """Load factor at which a criterion predicts failure, and the position of the failure."""
-
-    ratio: float  # strength ratio R; margin of safety R - 1    [-]
-    criterion: str
-    mode: str
-    cell: int
-    level: str  # of the ply, one of LEVELS
 
 
 @dataclass(frozen=True)
@@ -43,7 +32,8 @@ class PlyExtreme:
     angle_deg: float
     stress_M: Array  # (6,) of largest size, with sign: 11, 22, 33, 23, 13, 12 [Pa]
     cells: IntArray  # (6,) where
-    reserves: tuple[Reserve, ...]  # one for each criterion; none without strengths
+    # One for each criterion, place: cell, and one of LEVELS in the ply; none without strengths.
+    reserves: tuple[Reserve, ...]
 
 
 def ply_extremes(
@@ -65,25 +55,15 @@ def ply_extremes(
     strengths : of those materials that have some
     """
     extremes, levels = [], operators.shape[1]
+
+    def place_of(row: int) -> tuple[int, str]:
+        return int(cells[row // levels]), LEVELS[row % levels]
+
     for ply, (material, angle) in enumerate(zip(materials, angles_deg, strict=True)):
         stress = np.einsum("lij,cj->cli", operators[ply], resultants, optimize=True)
         flat = stress.reshape(-1, 6)
         largest = np.argmax(np.abs(flat), axis=0)
-        reserves = []
-        if material in strengths:
-            strength = strengths[material]
-            for criterion in criteria_of(strength):
-                verdict = criterion.assess(flat, strength)
-                worst = int(np.argmax(verdict.exposure))
-                reserves.append(
-                    Reserve(
-                        float(verdict.ratio[worst]),
-                        criterion.name,
-                        verdict.modes[int(verdict.mode[worst])],
-                        int(cells[worst // levels]),
-                        LEVELS[worst % levels],
-                    )
-                )
+        reserves = least_reserves(flat, strengths.get(material), place_of)
         extremes.append(
             PlyExtreme(
                 ply,
@@ -378,6 +358,11 @@ def _case(shell: ShellFile, case: CaseFindings) -> dict[str, object]:
     }
 
 
+def centre_of(shell: ShellFile, reserve: Reserve) -> Array:
+    """Centre (3,) of the cell in which a ply fails first [m]."""
+    return centres(shell.mesh.nodes_G, shell.mesh.cells[[reserve.place[0]]])[0]
+
+
 def _finite(ratio: float) -> float | None:
     """The ratio; None without stress, because JSON has no infinity."""
     return ratio if math.isfinite(ratio) else None
@@ -393,8 +378,8 @@ def _ply(shell: ShellFile, ply: PlyExtreme) -> dict[str, object]:
             reserve.criterion: {
                 "ratio": _finite(reserve.ratio),
                 "mode": reserve.mode,
-                "level": reserve.level,
-                "at": centres(shell.mesh.nodes_G, shell.mesh.cells[[reserve.cell]])[0].tolist(),
+                "level": reserve.place[1],
+                "at": centre_of(shell, reserve).tolist(),
             }
             for reserve in ply.reserves
         },

@@ -10,6 +10,7 @@ from .findings import (
     CaseFindings,
     PlyExtreme,
     case_findings,
+    centre_of,
     energy_not_estimated,
     not_estimated,
     short_stacking,
@@ -172,10 +173,10 @@ def _case(shell: ShellFile, case: CaseFindings) -> list[str]:
     weakest = case.weakest
     if weakest is not None and np.isfinite(weakest[2].ratio):
         of, ply, reserve = weakest
-        x, y, z = centres(shell.mesh.nodes_G, shell.mesh.cells[[reserve.cell]])[0]
+        x, y, z = centre_of(shell, reserve)
         lines.append(
             f"{'Least strength':16}ratio R = {reserve.ratio:.4g} by {reserve.criterion} "
-            f"({reserve.mode}), {of.laminate} ply {ply.ply}, {reserve.level},"
+            f"({reserve.mode}), {of.laminate} ply {ply.ply}, {reserve.place[1]},"
         )
         lines.append(f"{'':16}near ({x:.4g}, {y:.4g}, {z:.4g}) m")
     return lines
