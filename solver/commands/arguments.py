@@ -136,9 +136,10 @@ def add(group: Any, names: str, metavar: str, help: str, type: Any = Path, **mor
 
 
 def add_case_options(group: Any) -> None:
-    """Add --coarse and --packages to the arguments of a command that reads a case."""
+    """Add --coarse, --packages and --no-scripts to the arguments of a command with a case."""
     flag(group, "coarse", "apply the [coarse] variant")
     add_packages(group)
+    add_no_scripts(group)
 
 
 def add_packages(group: Any) -> None:

@@ -302,7 +302,6 @@ def add_export(parser: Any) -> None:
     text += "follow their laws in the case"
     fmu.add_argument("--inputs", nargs="*", metavar="KEY", help=text)
     add_case_options(fmu)
-    add_no_scripts(fmu)
 
 
 @command("info", "bodies.packages:run_info")

@@ -54,7 +54,6 @@ def add_check(parser: Any) -> None:
     parser.add_argument("case", type=Path, nargs="?", metavar="CASE", help="CASE.toml")
     add(parser, "--out", "DIR", "write case.json, bodies/, runs/, sweeps/ there")
     add_case_options(parser)
-    add_no_scripts(parser)
     flag(parser, "reference", "print docs/case-reference.md")
 
 
@@ -91,7 +90,6 @@ def add_run(parser: Any) -> None:
     case.add_argument("--sweep", action="append", metavar="NAME", help=text)
     add_case_options(case)
     flag(case, "force", "integrate runs that are up to date")
-    add_no_scripts(case)
     flag(case, "no-report", "no report.html")
     add_report_figures(case)
     several = parser.add_argument_group("with run files")
@@ -162,7 +160,6 @@ def add_modes(parser: Any) -> None:
     text = "folder of the case (default build/CASE); results go to DIR/modes/RUN-STATE"
     parser.add_argument("--out", type=Path, metavar="DIR", help=text)
     add_case_options(parser)
-    add_no_scripts(parser)
     flag(parser, "json", "print modes.json, not the table")
     flag(parser, "quiet", "no progress")
 
@@ -195,7 +192,6 @@ def add_sensitivities(parser: Any) -> None:
     text = "folder of the case (default build/CASE); results go to DIR/sensitivities/RUN"
     parser.add_argument("--out", type=Path, metavar="DIR", help=text)
     add_case_options(parser)
-    add_no_scripts(parser)
     flag(parser, "quiet", "no progress")
 
 

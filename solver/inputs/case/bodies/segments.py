@@ -46,7 +46,7 @@ def in_segments(mechanism: Mechanism) -> Mechanism:
         if name not in divided:
             bodies[name] = body
             continue
-        bodies |= divided[name].bodies(body)
+        bodies |= divided[name].bodies()
         joints |= divided[name].joints()
     new = {f"{d.name}.{place}": to for d in divided.values() for place, to in d.places.items()}
     blades = {
@@ -126,16 +126,15 @@ class _Divided:
                 self._inner[k][interface] = fraction * self.count - k
                 self.places[interface] = f"{segment_name(name, k)}.{_inner(interface)}"
 
-    def bodies(self, table: dict[str, Any]) -> dict[str, Any]:
-        """Return the tables of the segments from that of the body."""
-        start = np.array(table["position"])
-        A_GB = vector_to_matrix(np.radians(table["rotation_deg"]))
-        segments = {}
+    def bodies(self) -> dict[str, object]:
+        """Return the tables of the segments."""
+        table, start = self.body.model_dump(), np.array(self.body.position)
+        A_GB = vector_to_matrix(np.radians(self.body.rotation_deg))
+        segments: dict[str, object] = {}
         for k in range(self.count):
             shape, origin, A_BS = self._shape(k)
             interfaces: dict[str, object] = {"start": {"at": "start"}, "end": {"at": "end"}}
             interfaces |= {_inner(n): {"at": f} for n, f in self._inner[k].items()}
-            modes = [self._mode(mode, k) for mode in table["modes"]]
             turn = np.degrees(matrix_to_vector(A_GB @ A_BS))
             own = {
                 **table,
@@ -144,11 +143,11 @@ class _Divided:
                 "segments": 1,
                 "part_of": self.name,
                 "reference": {"kind": "mean-axis", "at": ["start", "end"]},
-                "modes": [*SHAPES, *(mode for mode in modes if mode is not None)],
+                "modes": [*SHAPES, *self._modes(k)],
                 "interfaces": interfaces,
                 "position": (start + A_GB @ origin).tolist(),
                 "rotation_deg": turn.tolist(),
-                **_velocities(table, origin, A_GB, A_BS, first=k == 0),
+                **_velocities(self.body, origin, A_GB, A_BS, first=k == 0),
             }
             segments[segment_name(self.name, k)] = own
         return segments
@@ -222,16 +221,17 @@ class _Divided:
             for station in with_sections(self.body)
         ]
 
-    def _mode(self, mode: dict[str, Any], k: int) -> dict[str, Any] | None:
-        """Return a mode of the body as one of segment k; None if it belongs to another."""
-        if mode["kind"] == "static-axial":
-            return None
-        if mode["kind"] != "attachment":
-            return mode
-        segment, _, interface = self.places[mode["at"]].partition(".")
-        if segment != segment_name(self.name, k) or interface in ("start", "end"):
-            return None
-        return {**mode, "at": interface}
+    def _modes(self, k: int) -> list[object]:
+        """Return the modes of the body that are those of segment k."""
+        modes: list[object] = []
+        for mode in self.body.modes:
+            if mode.kind == "attachment":
+                segment, _, interface = self.places[mode.at].partition(".")
+                if segment == segment_name(self.name, k) and interface not in ("start", "end"):
+                    modes.append({**mode.model_dump(), "at": interface})
+            elif mode.kind != "static-axial":
+                modes.append(mode.model_dump())
+        return modes
 
 
 def _inner(interface: str) -> str:
@@ -240,15 +240,12 @@ def _inner(interface: str) -> str:
 
 
 def _velocities(
-    table: dict[str, Any], origin: Array, A_GB: Array, A_BS: Array, *, first: bool
-) -> dict[str, Any]:
+    body: BeamBody, origin: Array, A_GB: Array, A_BS: Array, *, first: bool
+) -> dict[str, object]:
     """Return the given velocities of a segment that moves with the undeformed body."""
-    velocity, spin = table["velocity"], table["angular_velocity"]
+    velocity, spin = body.velocity, body.angular_velocity
     if velocity is not None and not first:
-        velocity = None
-        if spin is not None:
-            v = np.array(table["velocity"]) + A_GB @ np.cross(spin, origin)
-            velocity = v.tolist()
+        velocity = None if spin is None else (velocity + A_GB @ np.cross(spin, origin)).tolist()
     if spin is not None:
         spin = (A_BS.T @ np.array(spin)).tolist()
     return {"velocity": velocity, "angular_velocity": spin}
