@@ -32,6 +32,7 @@ from .tolerances import (
     NEARLY_MOVABLE,
     POSITION_TOLERANCE,
     STAYS_CLOSED,
+    STAYS_OPEN,
     VELOCITY_TOLERANCE,
     WEAK_APART,
 )
@@ -345,7 +346,7 @@ def frames_close(model: Model, y: Array) -> bool:
     """Return whether the joints can be closed in state y (n,) without further deformation."""
     if not model.n_constraint:
         return True
-    return bool(_open(model, with_closed_joints(model, y)).max() <= 1e3 * POSITION_TOLERANCE)
+    return bool(_open(model, with_closed_joints(model, y)).max() <= STAYS_OPEN)
 
 
 def _open(model: Model, y: Array) -> Array:
@@ -357,10 +358,10 @@ def _assembled(model: Model, y: Array, names: list[str], *, deforming: bool) -> 
     """Close the joints; the error names those that stay open."""
     y = with_closed_joints(model, y)
     gap, sprung = _open(model, y), np.inf if deforming else SPRUNG
-    if 1e3 * POSITION_TOLERANCE < gap.max() < sprung * min(1.0, extent(model, y)):
+    if STAYS_OPEN < gap.max() < sprung * min(1.0, extent(model, y)):
         y = with_closed_joints(model, y, elastic=True)
         gap = _open(model, y)
-    if gap.max() > 1e3 * POSITION_TOLERANCE:
+    if gap.max() > STAYS_OPEN:
         apart = described_gaps(model, gap, names, ("m apart", "rad twisted"))
         raise InputError(
             "the mechanism cannot be assembled from the given positions; joints left open: "
@@ -466,7 +467,7 @@ def _nearby(model: Model, y: Array, rank: _Rank) -> Array | None:
     near = y.copy()
     near[: model.n_pos] = moved(model, y[: model.n_pos], 0.01 * step / np.max(np.abs(step)))
     near = with_closed_joints(model, near)
-    closed = _open(model, near).max() < 1e3 * POSITION_TOLERANCE
+    closed = _open(model, near).max() < STAYS_OPEN
     return near if closed else None
 
 

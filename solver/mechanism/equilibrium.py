@@ -29,6 +29,7 @@ from .tolerances import (
     CONSTANT_LOADS,
     LEAST_SPIN_STEP,
     NEUTRAL,
+    ONE_LINE,
     SPIN_CONSISTENT,
 )
 
@@ -265,8 +266,8 @@ def _hinges(built: BuiltMechanism) -> tuple[dict[str, tuple[Array, Array]], ...]
 
 def _same(one: tuple[Array, Array], two: tuple[Array, Array]) -> bool:
     away = two[1] - one[1]
-    parallel = np.linalg.norm(np.cross(one[0], two[0])) < 1e-9
-    return bool(parallel and np.linalg.norm(np.cross(one[0], away)) < 1e-9)
+    parallel = np.linalg.norm(np.cross(one[0], two[0])) < ONE_LINE
+    return bool(parallel and np.linalg.norm(np.cross(one[0], away)) < ONE_LINE)
 
 
 _ROUNDING = 1e3 * float(np.finfo(float).eps)  # of positions, over the size of the mechanism

@@ -11,9 +11,13 @@ NO_SECOND_ORDER = 1e-12
 # Mass of a point mass over that of its body, from which on it becomes a virtual body.
 HEAVY_POINT_MASS = 1e3
 
-# Residual of the positions with closed joints [m, rad]. Joints that stay open by more than 1000
-# times that cannot be closed.
+# Residual of the positions with closed joints [m, rad]; joints that stay open by more than the
+# second cannot be closed.
 POSITION_TOLERANCE = 1e-12
+STAYS_OPEN = 1e3 * POSITION_TOLERANCE
+
+# Sine of the angle between axes of hinges, and distance of their lines [m], that are one line.
+ONE_LINE = 1e-9
 
 # Residual of the velocities, relative to the largest.
 VELOCITY_TOLERANCE = 1e-9

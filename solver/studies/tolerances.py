@@ -1,4 +1,4 @@
-"""Limits by which plans of runs and their checks are decided, and those of derivatives of runs.
+"""Limits of plans of runs and their checks, of derivatives of runs, and of modes about a state.
 
 A line `Test:` names a test that fails if the value is ten times as large, or a tenth.
 Values without one have no such test so far.
@@ -53,3 +53,14 @@ STEP = 3e-8
 
 # Of dependent coordinates over independent ones, by inertia: others are independent sooner.
 MOST_GROWTH = 1e4
+
+# Modes about a state: accelerations of turned positions that are zero [1/s2]; those of a state that
+# is called an equilibrium, of those by loads; change of the equations in turned positions, over the
+# eigenvalues, that counts as none.
+TURNS_FREELY = 1e-6
+AT_REST = 1e-6
+CONSTANT_EQUATIONS = 1e-5
+
+# Elastic rotation of an interface [rad], and estimated error of differences, without a note.
+BENT = 0.03
+ACCURATE_DIFFERENCES = 1e-4

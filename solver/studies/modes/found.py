@@ -41,17 +41,13 @@ from ..linearisation.state_space import (
     linearise,
     sources_of,
 )
+from ..tolerances import ACCURATE_DIFFERENCES, AT_REST, BENT, CONSTANT_EQUATIONS, TURNS_FREELY
 from .state import State, States
 
 # Modes about a state, with everything that is reported about them.
 
-_FREE = 1e-6  # [1/s2] accelerations of turned positions that are zero
-_AT_REST = 1e-6  # accelerations of a state called an equilibrium, of those by loads
 _TURNS = (0.8, 1.6)  # [rad] angles at which equations are compared
-_CONSTANT = 1e-5  # change of the equations, over the eigenvalues, that counts as none
-_BENT = 0.03  # [rad] elastic rotation of an interface without a note
 _JUDGED = 6  # of the lowest frequencies: the highest of any model lack shapes
-_ACCURATE = 1e-4  # estimated error of the differences without a note
 
 
 class Mode(NamedTuple):
@@ -174,7 +170,7 @@ def _turns_freely(state: State, spin: Spin) -> bool:
             continue
         y[: model.n_pos] = turned(model, state.y[: model.n_pos], spin, angle)
         a = along_solution(model, np.full(1, state.t), y[None])[0][0, model.n_pos :]
-        if np.abs(a[: model.n_vel]).max() > _FREE * max(1.0, extent(model, y)):
+        if np.abs(a[: model.n_vel]).max() > TURNS_FREELY * max(1.0, extent(model, y)):
             return False
     return True
 
@@ -185,7 +181,7 @@ def _changes(state: State, space: StateSpace, modes: Modes, spin: Spin) -> bool:
         later = after_turn(state.model, state.y, spin, state.t, angle)
         there = linearise(later.model, state.t, later.y, spin.W)
         A = vector_to_matrix(angle * spin.axis)
-        if change_when_turned(state.model, space, modes, there, A, spin.rate) > _CONSTANT:
+        if change_when_turned(state.model, space, modes, there, A, spin.rate) > CONSTANT_EQUATIONS:
             return True
     return False
 
@@ -204,20 +200,23 @@ def _notes(states: States, state: State, space: StateSpace, modes: Modes) -> lis
         v = spin_velocities(state.model, state.y, state.spin)
         loads = max(loads, state.spin.rate * float(np.sqrt(v @ space.mass @ v)))
         turn = space.free.Z_left @ v  # what drives the spin is not asked for
-        if state.given_spin and np.abs(space.free.Z @ turn - v).max() < _FREE * np.abs(v).max():
+        if (
+            state.given_spin
+            and np.abs(space.free.Z @ turn - v).max() < TURNS_FREELY * np.abs(v).max()
+        ):
             force = space.free.Z.T @ space.mass @ space.free.Z @ left
             off = float(np.linalg.norm(force - turn * (turn @ force) / (turn @ turn)))
     n = space.n_free
     noise = round_off(state.model, state.y, 0.0, space.A_free[n : 2 * n, :n], space.free)
     least = float(np.linalg.norm(noise * np.sqrt(state.model.inertia_scale)))
-    if off > max(_AT_REST * max(loads, 1e-9), least):
+    if off > max(AT_REST * max(loads, 1e-9), least):
         notes.append(
             "the state is no equilibrium: the modes are those of this instant, and hold for "
             "motions that are fast against the change of the state"
         )
-    elif np.abs(space.auxiliary_rates).max(initial=0.0) > _AT_REST:
+    elif np.abs(space.auxiliary_rates).max(initial=0.0) > AT_REST:
         names = [states.built.state_names[j] for j in space.auxiliary]
-        moving = np.abs(space.auxiliary_rates) > _AT_REST
+        moving = np.abs(space.auxiliary_rates) > AT_REST
         some = ", ".join(n for n, moves in zip(names, moving, strict=True) if moves)
         notes.append(
             f"the state is no equilibrium: {some} still changes. --at t=TIME takes a time after it "
@@ -235,7 +234,7 @@ def _notes(states: States, state: State, space: StateSpace, modes: Modes) -> lis
     if bent:
         notes.append(
             f"{few(bent)}: deformed in this state so far that interfaces turn by more than "
-            f"{_BENT:g} rad relative to the body frame. The elastic law is that of the undeformed "
+            f"{BENT:g} rad relative to the body frame. The elastic law is that of the undeformed "
             "body, and frequencies may be a per cent off; a beam divided by `segments` has less"
         )
     notes += _missed(states, state, space, modes)
@@ -245,7 +244,7 @@ def _notes(states: States, state: State, space: StateSpace, modes: Modes) -> lis
             if name in packages and packages[name].second_order is not None:
                 part = tilting(spin, states.tables, i, state.y)
                 notes += [f"{name}: {tilting_text(part)}"] if part > TILTING.limit else []
-    if space.error > _ACCURATE:
+    if space.error > ACCURATE_DIFFERENCES:
         notes.append(
             f"the accelerations are not smooth about this state (differences agree to "
             f"{space.error:.1g}): friction, stops or tables may have a corner there"
@@ -259,14 +258,14 @@ def _notes(states: States, state: State, space: StateSpace, modes: Modes) -> lis
 
 
 def _bent(states: States, state: State) -> list[str]:
-    """Return the flexible bodies whose interfaces turn by more than _BENT in a state."""
+    """Return the flexible bodies whose interfaces turn by more than BENT in a state."""
     built, bodies = states.built, []
     for i, name in enumerate(built.body_names):
         package = built.packages.get(name)
         if package is not None and state.model.n_mode[i] == package.n_mode:
             _, _, q = body_frames(state.model, i, state.y[None])
             linear = [place.psi_B @ q[0] for place in package.interfaces]
-            if max((float(np.linalg.norm(turn)) for turn in linear), default=0.0) > _BENT:
+            if max((float(np.linalg.norm(turn)) for turn in linear), default=0.0) > BENT:
                 bodies.append(name)
     return bodies
 
