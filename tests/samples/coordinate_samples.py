@@ -29,10 +29,10 @@ WHEEL = (
 
 
 def carriage(*forces: str, mass: float = 1.0, speed: float = 0.0) -> str:
-    """A mass on a rail along x that starts at 0 with a speed."""
+    """A mass on a rail along x that starts at 0 with a speed; its radius of gyration is 1 m."""
     return (
         CARRIAGE
-        + rigid("car", mass, 0.1, {"a": (0, 0, 0)}, velocity=(speed, 0, 0))
+        + rigid("car", mass, 2.0 * mass / 3.0, {"a": (0, 0, 0)}, velocity=(speed, 0, 0))
         + "".join(forces)
     )
 

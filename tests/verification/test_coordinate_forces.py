@@ -2,7 +2,19 @@
 
 import numpy as np
 import pytest
-from samples.coordinate_samples import DEFAULT, RADAU, Raw, carriage, force, prepared, run, wheel
+from samples.case_samples import rigid
+from samples.coordinate_samples import (
+    CARRIAGE,
+    DEFAULT,
+    RADAU,
+    Raw,
+    carriage,
+    force,
+    prepared,
+    run,
+    wheel,
+)
+from scipy.integrate import solve_ivp
 from scipy.special import gamma
 
 from plymotion.solver.dynamics.evaluation.evaluation import auxiliary_rates_into, evaluate
@@ -26,6 +38,27 @@ def test_expression_of_coordinate_and_rate(tmp_path, solver):
     free = np.exp(-d * t) * (-b * np.cos(r * t) + (-a * p - d * b) / r * np.sin(r * t))
     np.testing.assert_allclose(s["x"], a * np.sin(p * t) + b * np.cos(p * t) + free, atol=2e-8)
     assert summary["checks"]["energy_drift_relative"] < 1e-6
+
+
+@pytest.mark.parametrize(("size", "mass"), [(1.0, 1.0), (4e-4, 1e-5)])
+def test_accuracy_does_not_depend_on_the_size(tmp_path, size, mass):
+    """A body whose only extent is its inertia counted as 1 m: the small one had 55 rtol."""
+    law = f"-{50.0 * mass} * x * (1 + 0.15 * (x / {size})**2)"
+    body = CARRIAGE + rigid(
+        "car", mass, 0.01 * mass * size**2, {"a": (0, 0, 0)}, velocity=(6.5 * size, 0, 0)
+    )
+    spring = force("spring", "coordinate_force", joint="rail", expression=law)
+    t, s, _ = run(tmp_path, body + spring, 7.0, 0.7, DEFAULT)
+    exact = solve_ivp(
+        lambda _, z: [z[1], -50.0 * z[0] * (1 + 0.15 * z[0] ** 2)],
+        (0.0, 7.0),
+        [0.0, 6.5],
+        "DOP853",
+        t,
+        rtol=1e-12,
+        atol=1e-12,
+    )
+    np.testing.assert_allclose(s["x"] / size, exact.y[0], rtol=0.0, atol=2e-5)
 
 
 def test_angles_over_many_turns(tmp_path):

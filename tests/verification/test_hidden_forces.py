@@ -121,7 +121,7 @@ def test_linear_forces_are_not_looked_at(tmp_path):
     assert summary["cost"]["rejected"] < 5
 
 
-@pytest.mark.parametrize("stiff", [1e5, 1e7])
+@pytest.mark.parametrize("stiff", [1e5, 1e8])
 def test_a_body_leaves_a_stiff_brake(tmp_path, stiff):
     """Gear's matrix was that of the brake, and its small first corrections were taken for right."""
     text = carriage(by(f"cos(t) - {stiff} * max(0, v - 1)"), speed=0.5)

@@ -90,6 +90,14 @@ def test_short_pulses(tmp_path, name, integrator):
     assert checks["energy_drift_relative"] < 1e-3
 
 
+def test_a_pulse_in_the_last_microsecond_by_gear(tmp_path):
+    """Points of long steps before it made its error 1e-5 of what it is: 0.722."""
+    law = "times = [0.0, 9.999999, 10.0], values = [0.07, 0.07, 1.4e6]"
+    law = f'table = {{ {law}, interpolation = "linear" }}'
+    final, _ = speed(tmp_path, law, 10.0, 'integrator = "gear"', 3.0)
+    assert final == pytest.approx(1.4 / MASS, rel=1e-4)
+
+
 @pytest.mark.parametrize("integrator", ["radau", "rk8"])
 def test_a_pulse_at_the_peak_of_a_state(tmp_path, integrator):
     """sin(t) is above 1 - 1e-6 within a fifth of a step; states were taken as linear in each."""

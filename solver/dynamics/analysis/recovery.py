@@ -67,7 +67,8 @@ def extent(model: Model, y0: Array) -> float:
     points = np.concatenate([frames, marker_places(model, y0)])
     box = float(np.linalg.norm(np.ptp(points, axis=0)))
     held = model.mass > 0.0
-    square = np.trace(model.T00[held], axis1=1, axis2=2) / model.mass[held]
+    moments = np.trace(model.T00 + 0.5 * model.J0, axis1=1, axis2=2)  # rigid bodies are in J0
+    square = moments[held] / model.mass[held]
     return max(box, float(np.sqrt(square.max(initial=0.0)))) or 1.0
 
 

@@ -15,6 +15,9 @@ from .norm import ErrorNorm
 
 MAX_ITERATIONS = 4
 TOLERANCE = 0.1  # of the local error allowed, left over by the iteration
+# With an old matrix: rate of convergence that tells a bend of f behind which all corrections are
+# far too small, and least correction, in tolerances, that is no rounding.
+SLOW, ROUNDED = 0.9, 1e-6
 DRIFT = 0.1  # of gamma, up to which an old factorisation serves
 
 
@@ -116,7 +119,8 @@ class SimplifiedNewton:
             y += correction
             if i > 1:
                 rate = size / last if last > 0 else 0.0
-                if rate >= 1 and size > TOLERANCE:
+                behind = rate > SLOW and size > ROUNDED and not self._fresh
+                if behind or (rate >= 1 and size > TOLERANCE):
                     break
                 self._rate = min(0.99, max(rate, 0.3 * self._rate))
                 self._since_measured = 0
@@ -231,6 +235,9 @@ SAFETY = 0.8
 MIN_FACTOR, MAX_FACTOR, MAX_FACTOR_ORDER_1 = 0.2, 2.0, 10.0
 # Of the mean |h w|: order 3 and above, kept from growing by the error control.
 GROWTH_LIMITED = (0.4, 1.0)
+# Distance of the last point of the past that counts for the error, in steps: a step behind a bend
+# of f, far shorter than those before, has half of the change that they do not predict as error.
+FAR = 30.0
 HYSTERESIS = 1.2  # a smaller growth of the step is not worth new factors
 
 
@@ -402,7 +409,7 @@ class Gear(Integrator):
         self._weights[0] = predictor(s)
         self._weights[1, : len(b)] = b
         # at the very start the second point is the first again, taken with its derivative
-        self._err_scale = 1 / s[k] if len(s) > k else 0.5
+        self._err_scale = 1 / min(s[k], FAR) if len(s) > k else 0.5
 
     def _refuse_newton(self, h: float) -> None:
         if self._newton.trouble.startswith("not finite"):
