@@ -53,7 +53,6 @@ class Simulation:
     Attributes
     ----------
     inputs : names of the drives and forces that `step` writes, in their order
-    coordinates : names of the joint coordinates, in the order of `q`, `mass_matrix`, ...
 
     Examples
     --------
@@ -209,7 +208,9 @@ class Simulation:
 
     @property
     def coordinates(self) -> list[str]:
-        """Names of the joint coordinates of a tree: "JOINT.angle", "JOINT.z", "BODY.q1" of a mode.
+        """Names of the joint coordinates of a tree, in the order of `q`.
+
+        "JOINT.angle", "JOINT.z", "BODY.q1" of a mode.
 
         >>> import plymotion as pm
         >>> pm.simulate("pendulum.toml").coordinates
