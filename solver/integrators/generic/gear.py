@@ -12,12 +12,10 @@ from ...math.catalogue import Number
 from .advice import IMPLICIT
 from .base import Counters, Dense, Derivative, Integrator
 from .norm import ErrorNorm
+from .tolerances import ROUNDED, SLOW
 
 MAX_ITERATIONS = 4
 TOLERANCE = 0.1  # of the local error allowed, left over by the iteration
-# With an old matrix: rate of convergence that tells a bend of f behind which all corrections are
-# far too small, and least correction, in tolerances, that is no rounding.
-SLOW, ROUNDED = 0.9, 1e-6
 DRIFT = 0.1  # of gamma, up to which an old factorisation serves
 
 
