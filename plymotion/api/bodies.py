@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from ..solver.report.shell.findings import read_shown, shell_json
 from ..solver.report.solid import solid_table
 from ..solver.studies.cases import folder_lock
 from ..solver.studies.fmu import VERSIONS
-from ..solver.workers.described import Entry, made_file
+from ..solver.workers.described import Entry, SpecOf, made_file
 from ..solver.workers.launch import keep_preprocessors
 from ..solver.workers.packages import prepared
 from .case import ByName, Case
@@ -264,11 +264,10 @@ def shell(
     >>> pm.shell("plate.vtkhdf").name
     'plate'
     """
-
-    def spec_of(entry: Entry) -> dict[str, object]:
-        return load_shell(entry.file, buckling, bound)
-
-    return Shell(_analysed(Path(file), "shell", spec_of, out, force=force))
+    made = _analysed(
+        Path(file), "shell", lambda e: load_shell(e.file, buckling, bound), out, force=force
+    )
+    return Shell(made)
 
 
 def solid(
@@ -303,14 +302,13 @@ def solid(
     """
     if size is not None and not size > 0.0:
         raise InputError(f"size = {size:g}: expected a length above 0")
+    made = _analysed(
+        Path(file), "solid", lambda e: solid_spec(e.file, material, size), out, force=force
+    )
+    return Solid(made)
 
-    def spec_of(entry: Entry) -> dict[str, object]:
-        return cast(dict[str, object], solid_spec(entry.file, material, size))
 
-    return Solid(_analysed(Path(file), "solid", spec_of, out, force=force))
-
-
-def _analysed(file: Path, command: str, spec_of: Any, out: str | Path, *, force: bool) -> Path:
+def _analysed(file: Path, command: str, spec_of: SpecOf, out: str | Path, *, force: bool) -> Path:
     """Return the results file of a description; a results file as it is."""
     if file.suffix == ".vtkhdf":
         return file

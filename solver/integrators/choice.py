@@ -1,7 +1,7 @@
 """Which integrator a case asks for, made ready for a mechanism, with its tolerances."""
 
 from collections.abc import Sequence
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -17,36 +17,12 @@ from .explicit import ExplicitLoop
 from .generic.base import Integrator
 from .hidden import HiddenForces
 from .step_loop import projection, right_hand_side
-from .table import EXAMPLES, INTEGRATORS, ChoiceKeys, treatment_of
+from .table import EXAMPLES, INTEGRATORS, SolverKeys, treatment_of
 
 # The work enters the energy balance alone, no motion depends on it. The estimate of the error of a
 # quadrature by radau is of order 3 and contains the reactions' vibrations: with a share of 1, an
 # arm with a smooth drive takes 1.8 times the steps at the same error of motion and balance.
 WORK_SHARE = 10.0
-
-
-class SolverKeys(ChoiceKeys, Protocol):
-    """The keys of `[solver]` that all integrators share; their own ones stand beside these."""
-
-    @property
-    def t_end(self) -> float:
-        """End of the run [s]."""
-
-    @property
-    def rtol(self) -> float:
-        """Accuracy asked for, relative."""
-
-    @property
-    def atol_position(self) -> float | None:
-        """Absolute tolerance of positions and modal coordinates; None: rtol times their scales."""
-
-    @property
-    def atol_velocity(self) -> float | None:
-        """Absolute tolerance of velocities and modal rates; None: rtol times their scales."""
-
-    @property
-    def max_step(self) -> float | None:
-        """Largest step [s]."""
 
 
 def tolerances(model: Model, y0: Array, solver: SolverKeys) -> Array:

@@ -109,15 +109,35 @@ def _unknown(word: str, known: list[str]) -> str:
 EXAMPLES = 3  # integrators that a message names
 
 
-class ChoiceKeys(TreatmentKeys, Protocol):
-    """The keys of `[solver]` that say which integrator and which treatment of constraints."""
+class SolverKeys(TreatmentKeys, Protocol):
+    """The keys of `[solver]` that all integrators share; their own ones stand beside these."""
 
     @property
     def integrator(self) -> str:
         """A name of `INTEGRATORS`."""
 
+    @property
+    def t_end(self) -> float:
+        """End of the run [s]."""
 
-def treatment_of(solver: ChoiceKeys) -> Treatment:
+    @property
+    def rtol(self) -> float:
+        """Accuracy asked for, relative."""
+
+    @property
+    def atol_position(self) -> float | None:
+        """Absolute tolerance of positions and modal coordinates; None: rtol times their scales."""
+
+    @property
+    def atol_velocity(self) -> float | None:
+        """Absolute tolerance of velocities and modal rates; None: rtol times their scales."""
+
+    @property
+    def max_step(self) -> float | None:
+        """Largest step [s]."""
+
+
+def treatment_of(solver: SolverKeys) -> Treatment:
     """Return the treatment of constraints that a case asks for.
 
     Raises

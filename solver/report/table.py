@@ -169,18 +169,17 @@ def labelled(label: str, text: str) -> str:
     return f"{label:16}{text}"
 
 
-def in_rows(label: str, values: Iterable[float], unit: str, each: int = 6) -> list[str]:
-    """Return lines of numbers, at most `each` of them in a line.
+def in_rows(label: str, values: Iterable[float], unit: str) -> list[str]:
+    """Return lines of numbers, at most six of them in a line.
 
     Parameters
     ----------
     label : text before the first line
     values : the numbers
     unit : their unit
-    each : numbers of a line
     """
     texts = [f"{value:12.6g}" for value in values]
-    rows = ["".join(texts[first : first + each]) for first in range(0, len(texts), each)]
+    rows = ["".join(texts[first : first + 6]) for first in range(0, len(texts), 6)]
     return [
         labelled("" if k else label, f"{row if k else row.lstrip()} {unit}")
         for k, row in enumerate(rows)

@@ -296,8 +296,9 @@ def _collected(
     return result, summary
 
 
-# Result and summary of a run file with `[fidelity]`, from the run and the digest of its inputs.
-Planned = Callable[[RunSpec, str], tuple[RunResult, Summary]]
+# Result and summary of a run file with `[fidelity]`, from file, run and digest of its inputs, and
+# whether doubtful packages are used.
+Planned = Callable[[Path, RunSpec, str, bool], tuple[RunResult, Summary]]
 
 
 def run_file(
@@ -327,7 +328,8 @@ def run_file(
     if note := disk_note(spec, disk):
         LOGGER.warning("%s: %s", spec.run, note)
     if planned is not None and spec.mechanism.fidelity is not None:
-        return _written(out, spec, *planned(spec, digest), digest, clock, import_s, progress)
+        result = planned(file, spec, digest, allow_doubtful)
+        return _written(out, spec, *result, digest, clock, import_s, progress)
     solving, copies = Stopwatch(), Copies(out)
     with copies.ending():
         solved = _solved(spec, solving, progress, disk, allow_python=allow_python, copies=copies)

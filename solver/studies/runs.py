@@ -35,44 +35,16 @@ if TYPE_CHECKING:
 # One run file, with `[fidelity]` or without: what commands and the Python interface call.
 
 
-def run_one(
-    file: Path,
-    out: Path,
-    *,
-    progress: bool = True,
-    import_s: float = 0.0,
-    allow_python: bool = False,
-    allow_doubtful: bool = False,
-) -> Summary:
-    """Execute a run file; return its summary. See `run_file`.
-
-    Parameters
-    ----------
-    file : run file
-    out : folder of the results
-    progress : print the progress
-    import_s : CPU time of imports before [s]
-    allow_python : functions of the user may run
-    allow_doubtful : as in `read_package`
-    """
-    return run_file(
-        file,
-        out,
-        progress=progress,
-        import_s=import_s,
-        allow_python=allow_python,
-        allow_doubtful=allow_doubtful,
-        planned=partial(_planned, file, allow_doubtful),
-    )
-
-
 def _planned(
-    file: Path, allow_doubtful: bool, spec: RunSpec, digest: str
+    file: Path, spec: RunSpec, digest: str, allow_doubtful: bool
 ) -> tuple[RunResult, Summary]:
     """Execute a run with `[fidelity]`."""
     from .fidelity.checked_run import delivered  # most runs need no planner
 
     return delivered(file, spec, digest, allow_doubtful=allow_doubtful)
+
+
+run_one = partial(run_file, planned=_planned)
 
 
 # Runs of run files, in one process or more.

@@ -1,7 +1,7 @@
 """Results files of descriptions of sections, shells and solids, made by preprocessors."""
 
 import json
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -49,7 +49,7 @@ def entries_of(files: Iterable[Path]) -> list[Entry]:
 
 # Have results files made: check descriptions, hand out their specifications, wait.
 
-SpecOf = Callable[[Entry], dict[str, object]]  # checks a description; raises InputError
+SpecOf = Callable[[Entry], Mapping[str, object]]  # checks a description; raises InputError
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,6 @@
 import argparse
 import re
 from pathlib import Path
-from typing import cast
 
 import numpy as np
 
@@ -102,8 +101,6 @@ def run_solid(options: argparse.Namespace) -> int:
         entries_of(options.files),
         options,
         ["--force"] if options.force else [],
-        spec_of=lambda entry: cast(
-            dict[str, object], solid_spec(entry.file, options.material, options.size)
-        ),
+        spec_of=lambda entry: solid_spec(entry.file, options.material, options.size),
         show=each(lambda one: solid_table(one.file), text_of, options),
     )

@@ -594,8 +594,8 @@ def degrees_of_freedom(model: Model, y: Array, *, independent: bool = False) -> 
     return int(model.n_vel - np.sum(s > RANK_TOLERANCE * s[0]))
 
 
-def clearly_independent(model: Model, y: Array, t: float = 0.0) -> bool:
-    """Return whether all constraints, drives too, are far from dependent in state y (n,).
+def clearly_independent(model: Model, y: Array) -> bool:
+    """Return whether all constraints, drives too, are far from dependent in state y (n,) at t = 0.
 
     The time is linear in the number of bodies.
 
@@ -603,7 +603,6 @@ def clearly_independent(model: Model, y: Array, t: float = 0.0) -> bool:
     ----------
     model : arrays of the mechanism (dynamics/model/model.py)
     y : state (n,), as in dynamics/model/model.py
-    t : time [s]
     """
     if not 0 < model.n_constraint <= model.n_vel:
         return False
@@ -611,4 +610,4 @@ def clearly_independent(model: Model, y: Array, t: float = 0.0) -> bool:
         return True
     rows = new_independence(model)
     C, memory = np.zeros_like(rows.C), new_spectrum(rows)
-    return smallest_at(model, spare_workspace(model), rows, memory, 0, t, y, C) > _INDEPENDENT
+    return smallest_at(model, spare_workspace(model), rows, memory, 0, 0.0, y, C) > _INDEPENDENT
