@@ -21,7 +21,6 @@ from ..solver.report.solid import solid_table
 from ..solver.studies.cases import folder_lock
 from ..solver.studies.fmu import VERSIONS
 from ..solver.workers.described import Entry, SpecOf, made_file
-from ..solver.workers.launch import keep_preprocessors
 from ..solver.workers.packages import prepared
 from .case import ByName, Case
 from .result import chosen, named, path_of
@@ -312,10 +311,8 @@ def _analysed(file: Path, command: str, spec_of: SpecOf, out: str | Path, *, for
     """Return the results file of a description; a results file as it is."""
     if file.suffix == ".vtkhdf":
         return file
-    keep_preprocessors()
     with named(out):
-        options = ["--force"] if force else []
-        return made_file(Entry(file.stem, file), command, options, spec_of, Path(out))
+        return made_file(Entry(file.stem, file), command, spec_of, Path(out), force=force)
 
 
 def info(package: str | Path) -> Package:

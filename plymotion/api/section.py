@@ -20,7 +20,6 @@ from ..solver.package.section.section_schema import (
 )
 from ..solver.report.section.codes import SectionResults, read_results
 from ..solver.workers.described import Entry, made_file
-from ..solver.workers.launch import keep_preprocessors
 from .result import named
 from .signal import Markup, pandas, table
 
@@ -128,10 +127,8 @@ class Section:
         def spec_of(entry: Entry) -> dict[str, object]:
             return described_spec(entry.file, own, name, folder, asked)
 
-        keep_preprocessors()
         with named(None if folder == BUILD else folder):
-            options = ["--force"] if force else []
-            return cls(made_file(Entry(name, path, own), "section", options, spec_of, folder))
+            return cls(made_file(Entry(name, path, own), "section", spec_of, folder, force=force))
 
     @property
     def name(self) -> str:

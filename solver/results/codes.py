@@ -15,6 +15,9 @@ from ..package.common.plausible import ANGLE, MATERIAL, SIZE
 Level = Literal["error", "warning", "note"]
 
 
+OPTIONAL = ("level", "body", "t", "value", "limit")  # of a finding in summary.json
+
+
 class Entry(TypedDict, total=False):
     """A finding in summary.json."""
 
@@ -44,18 +47,14 @@ class Finding:
 
     def entry(self) -> Entry:
         """Return the entry of summary.json; keys without a value are left out."""
-        more = {"body": self.body or None, "t": self.t, "value": self.value, "limit": self.limit}
-        known: Any = {key: value for key, value in more.items() if value is not None}
-        return {"code": self.code, "message": self.text, "level": self.level, **known}
+        known: Any = {key: getattr(self, key) for key in OPTIONAL}
+        known = {key: value for key, value in known.items() if value not in (None, "")}
+        return {"code": self.code, "message": self.text, **known}
 
     @classmethod
     def of_entry(cls, entry: Entry) -> "Finding":
         """Return the finding of an entry of summary.json."""
-        known: Any = {
-            key: value
-            for key, value in entry.items()
-            if key in ("body", "t", "value", "limit", "level")
-        }
+        known: Any = {key: value for key, value in entry.items() if key in OPTIONAL}
         return cls(entry["code"], entry["message"], **known)
 
 

@@ -10,7 +10,7 @@ from ..errors import InputError
 from ..package.common.files import refuse_foreign, temporary_sibling
 from ..package.common.plain_data import by_mesh, mesh_key
 from .executors import Executor, Local
-from .launch import Line, make_all, start_of
+from .launch import Line, keep_preprocessors, make_all, start_of
 
 # Which descriptions a command is given.
 
@@ -103,22 +103,23 @@ def write_specs(
     return requests, failed
 
 
-def made_file(
-    entry: Entry, command: str, options: Sequence[str], spec_of: SpecOf, folder: Path
-) -> Path:
+def made_file(entry: Entry, command: str, spec_of: SpecOf, folder: Path, *, force: bool) -> Path:
     """Return the results file of one description, made unless it is up to date.
+
+    The preprocessor stays loaded for the next call, for a minute.
 
     Parameters
     ----------
     entry : the description
     command : name of the preprocessor
-    options : its options
     spec_of : checks a description and returns its specification
     folder : folder of the results
+    force : make what is up to date
 
     Raises InputError: the description is wrong, there is no FEniCSx, or the analysis fails.
     """
-    (made,) = made_files([entry], command, options, spec_of, folder)
+    keep_preprocessors()
+    (made,) = made_files([entry], command, ["--force"] if force else [], spec_of, folder)
     if made.status == "failed":
         raise InputError(made.error)
     return made.file
@@ -138,7 +139,8 @@ def made_files(
 
     Parameters
     ----------
-    entries, command, options, spec_of, folder : as of `made_file`
+    entries, command, spec_of, folder : as of `made_file`
+    options : of the preprocessor
     jobs : preprocessors of this machine at a time
     ranks : as of `make_files`
 

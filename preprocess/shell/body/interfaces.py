@@ -48,7 +48,6 @@ class ShellBodySpec:
     ----------
     body : name
     shell : specification of the shell, with links for the interfaces and the mass form
-    mass_form : "consistent" or "lumped"
     interfaces : in the order of the links
     reference : how the body frame is attached to the shell; its places are interfaces, by number
     modes : requested modes
@@ -58,7 +57,6 @@ class ShellBodySpec:
 
     body: str
     shell: dict[str, object]
-    mass_form: str
     interfaces: tuple[ShellInterface, ...]
     reference: Reference
     modes: ModeSpec
@@ -81,7 +79,6 @@ def read_shell_body(spec: Mapping[str, object]) -> ShellBodySpec:
     return ShellBodySpec(
         body=table["body"],
         shell={**table["shell"], "elements": elements, "links": links},
-        mass_form=table["mass_form"],
         interfaces=interfaces,
         reference=read_reference(table["reference"], numbers),
         modes=read_modes(table["modes"], numbers),

@@ -203,7 +203,7 @@ def shell_package(
     at = places(mesh, links, model.carriers if spec.reference.kind == "chord" else ())
     connectivity, offsets, types = vtk_cells(mesh.cells)
     nodes = u.reshape(len(u) // 6, 6, m)[: mesh.n_node]  # not -1: a rigid body has no modes
-    stations = mass_stations(mesh, problem.regions, problem.stiffeners, nodes, spec.mass_form)
+    stations = mass_stations(mesh, problem.regions, problem.stiffeners, nodes, problem.mass_form)
     h = None
     if spec.second_order and 0 < m <= MOST_MODES:
         h = second_order_fields(problem, model.condition, u, near)
@@ -221,7 +221,7 @@ def shell_package(
         shapes_B=node_shapes(mesh, links, at, u),
         node_mass=node_mass,
         node_inertia_B=node_inertia,
-        invariants=stations.invariants(spec.mass_form),
+        invariants=stations.invariants(problem.mass_form),
         interfaces=interfaces(spec.interfaces, mesh, links, at, u, h),
         reference_condition=spec.reference.kind,
         laminates=laminates(problem),
@@ -239,7 +239,7 @@ def _second_order(model: ShellModel, stations: Stations, h: Array) -> SecondOrde
     """
     problem, pairs = model.problem, h.reshape(len(h) // 6, 6, -1)[: model.problem.mesh.n_node]
     moved = mass_stations(
-        problem.mesh, problem.regions, problem.stiffeners, pairs, model.spec.mass_form
+        problem.mesh, problem.regions, problem.stiffeners, pairs, problem.mass_form
     )
     h_B = moved.phi_B.reshape(*moved.phi_B.shape[:2], *h.shape[1:])
     return second_order_from_stations(stations.m, stations.x_B, stations.phi_B, h_B)

@@ -57,20 +57,6 @@ def show_each(
     return code
 
 
-def each(
-    table_of: Callable[[Made], Any], text_of: Callable[[Made], str], options: argparse.Namespace
-) -> Shown:
-    """Return a function that shows one after the other, with --json as one table.
-
-    Parameters
-    ----------
-    table_of : returns the table of one for --json
-    text_of : returns the text of one
-    options : parsed arguments of the command
-    """
-    return lambda made, _: show_each(made, table_of, text_of, as_json=options.json)
-
-
 def tell_failure(one: Made) -> None:
     """Say on standard error why a file has not been made."""
     if one.defect:

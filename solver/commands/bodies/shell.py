@@ -2,6 +2,7 @@
 
 import argparse
 import re
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,7 @@ from ...package.shell.shell_schema import ShellFile
 from ...report.shell.findings import read_shown, shell_json
 from ...report.shell.shell_text import shell_text
 from ...workers.described import Made, entries_of
-from .described import drawn, each, file_lines, run_described
+from .described import drawn, file_lines, run_described, show_each
 
 MOST_MODES = 6  # with a figure of their own
 
@@ -38,7 +39,7 @@ def run_shell(options: argparse.Namespace) -> int:
         options,
         [f"--{word}" for word in ("verify", "force") if getattr(options, word)],
         spec_of=lambda entry: load_shell(entry.file, options.buckling, options.bound),
-        show=each(table_of, text_of, options),
+        show=lambda made, _: show_each(made, table_of, text_of, as_json=options.json),
     )
 
 
@@ -93,8 +94,11 @@ def run_solid(options: argparse.Namespace) -> int:
     if options.size is not None and not options.size > 0.0:
         raise InputError(f"--size {options.size:g}: expected a length above 0")
 
+    def table_of(one: Made) -> Mapping[str, object]:
+        return solid_table(one.file)
+
     def text_of(one: Made) -> str:
-        return f"{solid_text(solid_table(one.file))}\n{file_lines(one, [])}"
+        return f"{solid_text(table_of(one))}\n{file_lines(one, [])}"
 
     return run_described(
         "solid",
@@ -102,5 +106,5 @@ def run_solid(options: argparse.Namespace) -> int:
         options,
         ["--force"] if options.force else [],
         spec_of=lambda entry: solid_spec(entry.file, options.material, options.size),
-        show=each(lambda one: solid_table(one.file), text_of, options),
+        show=lambda made, _: show_each(made, table_of, text_of, as_json=options.json),
     )
