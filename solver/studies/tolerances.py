@@ -64,3 +64,11 @@ CONSTANT_EQUATIONS = 1e-5
 # Elastic rotation of an interface [rad], and estimated error of differences, without a note.
 BENT = 0.03
 ACCURATE_DIFFERENCES = 1e-4
+
+# Campbell diagrams: overlap of shapes below which a mode has no successor at the next speed, and
+# below which the step is halved; damping ratio above which a motion is gone within one period;
+# accuracy of the speed of a crossing, relative.
+LEAST_OVERLAP = 0.1
+ALIKE_OVERLAP = 0.8
+OVERDAMPED = 0.99
+CROSSING_FOUND = 1e-7

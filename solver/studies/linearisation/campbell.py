@@ -13,10 +13,9 @@ from scipy.interpolate import PchipInterpolator, PPoly
 from scipy.optimize import linear_sum_assignment
 
 from ...math.arrays import Array, IntArray
+from ..tolerances import ALIKE_OVERLAP, CROSSING_FOUND, LEAST_OVERLAP, OVERDAMPED
 from .modes import Modes
 from .state_space import StateSpace
-
-_LEAST = 0.1  # overlap below which a mode has no successor
 
 
 class Vectors(NamedTuple):
@@ -61,17 +60,14 @@ def match(one: Vectors, two: Vectors) -> Match:
         overlaps = np.maximum(overlaps, np.nan_to_num(np.sqrt(forward * backward), posinf=0.0))
     overlaps = np.minimum(overlaps, 1.0)
     rows, columns = linear_sum_assignment(-overlaps)
-    alike = overlaps[rows, columns] >= _LEAST
+    alike = overlaps[rows, columns] >= LEAST_OVERLAP
     rows, columns = rows[alike], columns[alike]
     successor[rows], overlap[rows] = columns, overlaps[rows, columns]
     return Match(successor, overlap)
 
 
-ALIKE = 0.8  # overlap of the shapes of neighbouring speeds below which the step is halved
 _HALVINGS = 6
-_OVERDAMPED = 0.99  # damping ratio above which a motion is gone within one period
 _SECANTS = 5  # solutions for the speed of a crossing
-_CROSSED = 1e-7  # its accuracy, of the speed
 
 
 class Point(NamedTuple):
@@ -129,7 +125,7 @@ def follow(at: Callable[[float, Point | None], Point], speeds: Array, most: int)
         matched = match(before.vectors, point.vectors)
         # The least overlap of the lowest modes that oscillate.
         moving = [k for k in _lowest(before, most) if before.modes.frequencies[k] > 0.0]
-        if halvings and matched.overlap[moving].min(initial=1.0) < ALIKE:
+        if halvings and matched.overlap[moving].min(initial=1.0) < ALIKE_OVERLAP:
             middle = 0.5 * (low + high)
             advance(low, middle, halvings - 1)
             advance(middle, high, halvings - 1)
@@ -148,7 +144,7 @@ def _lowest(point: Point, most: int) -> list[int]:
     Those that hardly oscillate, such as the ends of a shaft in strong dampers, come last.
     """
     moving = [k for k in range(point.modes.eigenvalues.size) if not point.modes.still[k]]
-    return sorted(moving, key=lambda k: float(point.damping[k]) > _OVERDAMPED)[:most]
+    return sorted(moving, key=lambda k: float(point.damping[k]) > OVERDAMPED)[:most]
 
 
 def _branches(points: Sequence[Point], matches: Sequence[Match], most: int) -> Campbell:
@@ -265,6 +261,6 @@ def _crossing(
         better = speed - distance * (speed - last[0]) / (distance - last[1])
         last = speed, distance
         speed = min(max(better, low), high)
-        if abs(speed - last[0]) <= _CROSSED * high:
+        if abs(speed - last[0]) <= CROSSING_FOUND * high:
             break
     return Crossing(branch, n, speed, n * speed)
