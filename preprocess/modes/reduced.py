@@ -313,15 +313,17 @@ def completed(
 ) -> Modes:
     """The eigenmodes `kept`, and the static modes that `loads` add to them.
 
-    `unit_loads` (n_dof, l), nodal forces and moments, give the compliance of the whole body.
-    Raises ModeError if the modes are not orthonormal to RESIDUAL.
+    `unit_loads` (n_dof, l), nodal forces and moments, give the compliance of the whole body. In a
+    mean axis its inertia balances them, whatever carries the loads of static shapes: reactions
+    would do work on modes that the single load does not. Raises ModeError if the modes are not orthonormal to RESIDUAL.
     """
     n_dof, count = condition.K.shape[0], len(loads)
     unit = np.zeros((n_dof, 0)) if unit_loads is None else unit_loads
     requested = [np.array([getattr(a, n) for a in loads]).reshape(count, n_dof).T for n in LOADS]
     static = StaticShapes(*np.zeros((3, n_dof, 0)))
     if count or unit.shape[1]:
-        requested = [np.hstack([requested[0], unit]), np.hstack([requested[1], 0.0 * unit])]
+        balancing = condition.relief(unit)
+        requested = [np.hstack([requested[0], unit]), np.hstack([requested[1], balancing])]
         static = condition.static(*requested)
     C = static.columns[:, count:].T @ static.loads[:, count:]
     added = static_modes(condition, kept, loads, static, participation)

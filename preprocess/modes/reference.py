@@ -95,6 +95,9 @@ class Condition(Protocol):
     def static(self, forces: Array, accelerations: Array) -> StaticShapes:
         """Shapes under nodal forces (n_dof, k) and loads M a, a = accelerations (n_dof, k)."""
 
+    def relief(self, loads: Array) -> Array:
+        """Accelerations (n_dof, k) of a free body that balance loads (n_dof, k)."""
+
     def load_rates(
         self, static: StaticShapes, mass: Any, forces: Array, accelerations: Array
     ) -> tuple[Array, Array]:
@@ -132,6 +135,10 @@ class HeldDofs:
         loads = forces + self.M @ accelerations
         columns = self._expanded(self.algebra.solve(self._K_free, loads[self.free]))
         return StaticShapes(columns, accelerations, loads)
+
+    def relief(self, loads: Array) -> Array:
+        """See `Condition`. The held dofs carry all loads."""
+        return np.zeros_like(loads)
 
     def load_rates(
         self, static: StaticShapes, mass: Any, forces: Array, accelerations: Array
@@ -219,6 +226,11 @@ class MeanAxis:
         shapes = self._still.static(loads, np.zeros_like(loads))
         return StaticShapes(self._without_momentum(shapes.columns), accelerations, loads)
 
+    def relief(self, loads: Array) -> Array:
+        """See `Condition`."""
+        resultant = self.rigid.T @ loads
+        return np.asarray(-self.rigid @ scipy.linalg.cho_solve(self._inertia, resultant))
+
     def load_rates(
         self, static: StaticShapes, mass: Any, forces: Array, accelerations: Array
     ) -> tuple[Array, Array]:
@@ -228,18 +240,16 @@ class MeanAxis:
 
     def momentum_rate(self, mass: Any, columns: Array) -> Array:
         """See `Condition`."""
-        momentum = self.rigid.T @ (mass @ columns)
-        return np.asarray(-self.rigid @ scipy.linalg.cho_solve(self._inertia, momentum))
+        return self.relief(mass @ columns)
 
     def _balanced(self, accelerations: Array, loads: Array) -> tuple[Array, Array]:
         """Return accelerations and loads (n_dof, k) in equilibrium: with reactions, or inertia."""
-        resultant = self.rigid.T @ loads
         if self._reactions:
             loads = loads.copy()
-            loads[self._held] -= np.linalg.solve(self.rigid[self._held].T, resultant)
+            loads[self._held] -= np.linalg.solve(self.rigid[self._held].T, self.rigid.T @ loads)
             return accelerations, loads
-        relief = scipy.linalg.cho_solve(self._inertia, resultant)
-        return accelerations - self.rigid @ relief, loads - self._MR @ relief
+        relief = self.relief(loads)
+        return accelerations + relief, loads + self.M @ relief
 
     def _without_momentum(self, X: Array) -> Array:
         return X - self.rigid @ scipy.linalg.cho_solve(self._inertia, self._MR.T @ X)
