@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
 
 _MAX_STEP = 0.3  # [m, rad]
-_MAX_ITERATIONS = 200
+_MAX_ITERATIONS, _IN_WIND = 200, 30  # loads of the wind have no minimum to go to
 _REST = Spin(np.array([0.0, 0.0, 1.0]), np.zeros(3), 0.0)
 _NUDGE = 0.05  # [m, rad, modes] step away from an unstable equilibrium
 _DIFFERENCE = 1e-6  # [m, rad, modes] increment for the stiffness by finite differences
@@ -85,8 +85,9 @@ def equilibrium(model: Model, start: Start, body_names: list[str]) -> Start:
         No equilibrium found, or joints cannot be closed; names the body with unbalanced forces.
     """
     positions = closed(model, start.positions)
-    largest = 0.0
-    for _ in range(_MAX_ITERATIONS):
+    largest, wind = 0.0, len(model.rotor.polar) > 0
+    most = _IN_WIND if wind else _MAX_ITERATIONS
+    for _ in range(most):
         here = Turning(model, positions, _REST, ready=True)
         g, free, unbalanced, _ = here.balanced()
         push = free.Z @ unbalanced
@@ -106,9 +107,10 @@ def equilibrium(model: Model, start: Start, body_names: list[str]) -> Start:
             step = free.Z @ (directions @ (along / np.maximum(np.abs(stiffness), NEUTRAL)))
         positions = _downhill(here, g, free, limited(model, step))
     raise InputError(
-        f"solver.start: no static equilibrium within {_MAX_ITERATIONS} steps; "
+        f"solver.start: no static equilibrium within {most} steps; "
         f"{pushed(model, push, body_names)}. Expected loads that joints, springs and "
         "elasticity can balance"
+        + ("; a rotor that the wind turns has modes at `spin=SPEED` or `start`" if wind else "")
     )
 
 

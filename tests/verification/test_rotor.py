@@ -18,9 +18,11 @@ from plymotion.solver.dynamics.model.model import N_SECTION_STATE, QUASI, spare_
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.tables.rotor import Polar
+from plymotion.solver.mechanism import equilibrium
 from plymotion.solver.mechanism.build import build
 from plymotion.solver.mechanism.consistent import consistent_state
 from plymotion.solver.mechanism.rotor import polar_rows
+from plymotion.solver.run.preparation import prepare
 
 
 class Steady:
@@ -249,6 +251,15 @@ def test_the_hub_takes_the_torque(tmp_path):
     rate = np.gradient(found["speed"], result.t, edge_order=2)
     np.testing.assert_allclose(inertia * rate[1:-1], found["torque"][1:-1], rtol=1e-3)
     np.testing.assert_allclose(found["power"], found["torque"] * found["speed"], rtol=1e-12)
+
+
+def test_a_rotor_that_the_wind_turns_has_no_equilibrium(tmp_path, monkeypatch):
+    """The search went on with the turning rotor, for more than five minutes with flexible blades."""
+    monkeypatch.setattr(equilibrium, "_IN_WIND", 2)
+    solver = 't_end = 1.0\noutput_step = 0.1\nstart = "equilibrium"'
+    case = load_case(write_rotor(tmp_path, free=True, solver=solver))
+    with pytest.raises(InputError, match=r"within 2 steps.*the wind turns has modes at `spin="):
+        prepare(case.runs["all"], {})
 
 
 def test_strips_that_do_not_fit_the_axis_are_refused(tmp_path):
