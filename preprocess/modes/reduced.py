@@ -315,7 +315,8 @@ def completed(
 
     `unit_loads` (n_dof, l), nodal forces and moments, give the compliance of the whole body. In a
     mean axis its inertia balances them, whatever carries the loads of static shapes: reactions
-    would do work on modes that the single load does not. Raises ModeError if the modes are not orthonormal to RESIDUAL.
+    would do work on modes that the single load does not.
+    Raises ModeError if the modes are not orthonormal to RESIDUAL.
     """
     n_dof, count = condition.K.shape[0], len(loads)
     unit = np.zeros((n_dof, 0)) if unit_loads is None else unit_loads

@@ -254,7 +254,7 @@ def test_the_hub_takes_the_torque(tmp_path):
 
 
 def test_a_rotor_that_the_wind_turns_has_no_equilibrium(tmp_path, monkeypatch):
-    """The search went on with the turning rotor, for more than five minutes with flexible blades."""
+    """The search went on with the turning rotor, over five minutes with flexible blades."""
     monkeypatch.setattr(equilibrium, "_IN_WIND", 2)
     solver = 't_end = 1.0\noutput_step = 0.1\nstart = "equilibrium"'
     case = load_case(write_rotor(tmp_path, free=True, solver=solver))
