@@ -96,14 +96,31 @@ def test_what_limits_cannot_do(tmp_path: Path, capsys: pytest.CaptureFixture[str
     words = ["import", str(tmp_path / "arm.urdf"), "--joints", "free", "--no-meshes"]
     assert main([*words, "--out", str(tmp_path / "out")]) == 0
     told = capsys.readouterr().err
-    assert "note: shoulder: stands at 0, outside its limits -1.5 to -0.5: its stop pushes" in told
-    assert "note: slide: no stops: its <limit> is 0 to 0" in told
+    outside = "note: arm.urdf:42: <joint shoulder>: stands at 0, outside its limits -1.5 to -0.5: "
+    assert outside in told
+    assert "<joint slide>: no stops: its <limit> is 0 to 0" in told
     assert "transmission of shouldr: left out: no such joint; did you mean 'shoulder'?" in told
     assert "note: transmission of a\\nb: left out: no such joint" in told  # was a line of the case
     for value in "k0":
         wrong = f'slide: left out: <mechanicalReduction> "{value}"; expected a number other than 0'
-        assert f"note: line 69: transmission of {wrong}" in told
+        assert f"note: arm.urdf:69: transmission of {wrong}" in told
     assert pm.load(tmp_path / "out").forces.wrist_damping.derivative == 0.7
+
+
+@pytest.mark.parametrize(
+    ("limit", "note"),
+    [
+        ("", "no stops: it has no <limit>; expected one for type revolute, or type continuous"),
+        ('<limit lower="0.5" upper="1" effort="9" velocity="1"/>', "stands at 0, outside its lim"),
+    ],
+)
+def test_limits_are_told_where_drives_hold_the_joints(
+    tmp_path: Path, limit: str, note: str
+) -> None:
+    """Of a joint that URDF demands limits of, and of one that they keep from where it stands."""
+    (tmp_path / "arm.urdf").write_text(re.sub("<limit [^>]*60[^>]*/>", limit, ARM))
+    (found,) = robot_case(read_urdf(tmp_path / "arm.urdf")).notes
+    assert found.startswith(f"arm.urdf:42: <joint shoulder>: {note}")
 
 
 def test_stops_that_leave_no_room(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -116,7 +133,8 @@ def test_stops_that_leave_no_room(tmp_path: Path, capsys: pytest.CaptureFixture[
     words = ["import", str(tmp_path / "gripper.urdf"), "--joints", "motor", "--no-meshes"]
     assert main([*words, "--out", str(tmp_path / "out")]) == 0
     told = capsys.readouterr().err
-    assert "jaw_2: no stops: its limits 0 to 0.05 leave no room to the joint that it mimics" in told
+    none = "<joint jaw_2>: no stops: its limits 0 to 0.05 leave no room to the joint that it mimics"
+    assert none in told
     assert "jaw_1_stop" in pm.load(tmp_path / "out").forces
     assert "jaw_2_stop" not in pm.load(tmp_path / "out").forces
 
@@ -259,6 +277,21 @@ def test_joints_that_mimic_others(tmp_path: Path) -> None:
             '<box size="0.4 0.06 0.05"/>',
             '<box size="400 60 50"/>',
             r":16: <link upper arm>, <box>: 400 m wide; expected m, found some like mm",
+        ),
+        (
+            '<box size="0.4 0.06 0.05"/>',
+            '<mesh filename="a.stl" scale="1 0 1"/>',
+            r":16: link upper arm, <mesh scale>: 0; expected factors other than 0",
+        ),
+        (
+            '<origin xyz="0 0.05 0.1"',
+            '<origin xyz="0 1e300 0"',
+            r"<origin xyz>: 0 1e\+300 0; expected m, within 1e\+06",
+        ),
+        (
+            '<origin xyz="0 0.05 0.1" rpy="-0.6 0 0"/>',
+            '<mimic joint="slide" offset="1e300"/>',
+            r'<joint wrist>: <mimic joint="slide">: offset = 1e\+300; expected rad, found some like',
         ),
         (
             '<box size="0.4 0.06 0.05"/>',

@@ -357,6 +357,10 @@ class _Writer:
         points[name] = {"position": _numbers(p)}
         return f"{self._name('link', head) if head else GROUND}.{name}"
 
+    def _note(self, joint: UrdfJoint, text: str) -> None:
+        file = self._robot.file.name
+        self._notes.append(f"{file}:{joint.line}: <joint {joint.name}>: {text}")
+
     def _joint(self, joint: UrdfJoint) -> None:
         (one, pose), (two, _) = self._heads[joint.parent], self._heads[joint.child]
         if one == two or joint.kind == Type.FLOATING:
@@ -374,11 +378,18 @@ class _Writer:
         axis = table["axis"] = _numbers(self._bodies[two].pose.A @ joint.axis)
         if kind == Type.PLANAR:
             if joint.damping or joint.friction:
-                self._notes.append(f"{joint.name}: no friction: only single coordinates have one")
+                self._note(joint, "no friction: only single coordinates have one")
             return
         of = {"joint": name}
         angle = {"kind": "joint", **of, "coordinate": "angle" if kind == Type.REVOLUTE else "z"}
         self._tables["signals"][f"{name}_q"] = angle
+        first, low, high = start(self._robot, joint), joint.lower, joint.upper
+        if low is not None and high is not None and low < high and not low <= first <= high:
+            self._note(
+                joint,
+                f"stands at {first:g}, outside its limits {low:g} to {high:g}: expected a motion "
+                "that begins within them; a stop pushes from the start",
+            )
         mimic = joint.mimic
         if mimic is not None and self._robot.joints[mimic.joint].kind != Type.FIXED:
             self._couple(joint, mimic.joint, mimic.multiplier)
@@ -425,7 +436,7 @@ class _Writer:
         name, forces = self._name("joint", joint.name), self._tables["forces"]
         if self._way == "motor":
             if joint.kind == Type.PRISMATIC:
-                self._notes.append(f"{joint.name}: no actuator: only rotations have one")
+                self._note(joint, "no actuator: only rotations have one")
             else:
                 forces[f"{name}_motor"] = {
                     "kind": rotary_spring.ELEMENT.kind,
@@ -458,20 +469,13 @@ class _Writer:
         first, limits = start(self._robot, joint), f"{joint.lower:g} to {joint.upper:g}"
         room = _mimicked(self._robot, joint)
         if joint.lower == joint.upper:
-            self._notes.append(f"{joint.name}: no stops: its <limit> is {limits}")
+            self._note(joint, f"no stops: its <limit> is {limits}")
         elif not joint.effort > 0.0:
-            self._notes.append(f"{joint.name}: no stops: its <limit> has no effort above 0")
+            self._note(joint, "no stops: its <limit> has no effort above 0")
         elif room and max(room[0], joint.lower) >= min(room[1], joint.upper):
-            self._notes.append(
-                f"{joint.name}: no stops: its limits {limits} leave no room to the joint that it "
-                "mimics"
-            )
+            text = f"its limits {limits} leave no room to the joint that it mimics"
+            self._note(joint, f"no stops: {text}")
         elif not room or room[0] < joint.lower or joint.upper < room[1]:
-            if not joint.lower <= first <= joint.upper:
-                self._notes.append(
-                    f"{joint.name}: stands at {first:g}, outside its limits {limits}: its stop "
-                    "pushes from the start"
-                )
             forces[f"{name}_stop"] = {
                 "kind": LIMIT_STOP.kind,
                 "joint": name,

@@ -66,6 +66,7 @@ KNOWN = {
 ALIKE = 0.65  # of words: extensions of other programs look less like these
 MOST_BYTES = 50_000_000
 TURNS = 6.3  # of roll, pitch and yaw [rad]: more are degrees
+FAR = 1e6  # more than the distance of any place [m], the multiplier of any joint
 
 
 @dataclass
@@ -186,7 +187,7 @@ class Robot:
     links: dict[str, Link]
     joints: dict[str, UrdfJoint]
     reductions: dict[str, float]  # of joints with a transmission, which may not be there
-    notes: list[str]  # transmissions that are left out
+    notes: list[str]  # transmissions that are left out, limits that are missing
 
 
 def read_urdf(file: Path) -> Robot:
@@ -248,6 +249,7 @@ class _Reader:
     def __init__(self, file: Path, root: Element) -> None:
         self._file, self._root = file, root
         self._found: list[str] = []
+        self._notes: list[str] = []
 
     def robot(self) -> Robot:
         links = self._named("link", self._link)
@@ -261,8 +263,7 @@ class _Reader:
         refuse(self._found)
         root, ordered = self._ordered(links, joints)
         name = self._root.attributes.get("name") or self._file.stem
-        notes: list[str] = []
-        return Robot(self._file, name, root, links, ordered, self._reductions(notes), notes)
+        return Robot(self._file, name, root, links, ordered, self._reductions(), self._notes)
 
     def _named(self, tag: str, read: Callable[[str, Element], Thing]) -> dict[str, Thing]:
         named: dict[str, Thing] = {}
@@ -354,6 +355,9 @@ class _Reader:
             self._say(
                 origin.line, f"{where}, <origin rpy>: {text}; expected rad, found some like deg"
             )
+        if np.abs(p).max() > FAR:
+            text = " ".join(f"{x:g}" for x in p)
+            self._say(origin.line, f"{where}, <origin xyz>: {text}; expected m, within {FAR:g}")
         x, y, z = np.eye(3)
         return Pose(p, about(z, yaw) @ about(y, pitch) @ about(x, roll))
 
@@ -401,6 +405,8 @@ class _Reader:
             if child.tag != MESH and min(sizes) < 0.0:
                 text = f"{where}, <{child.tag}>: {min(sizes):g}; expected sizes of 0 or above [m]"
                 self._say(child.line, text)
+            if child.tag == MESH and 0.0 in sizes:
+                self._say(child.line, f"{where}, <mesh scale>: 0; expected factors other than 0")
             file = child.attributes.get("filename", "")
             if child.tag == MESH and not file:
                 self._of(child, f" of {where}: expected a filename")
@@ -435,6 +441,12 @@ class _Reader:
             if lower > upper:
                 text = f"lower = {lower:g}; expected at most upper = {upper:g}"
                 self._say(limit.line, f"{where}, <limit>: {text}")
+        elif kind in (Type.REVOLUTE, Type.PRISMATIC):
+            more = ", or type continuous" if kind == Type.REVOLUTE else ""
+            self._notes.append(
+                f"{self._file.name}:{element.line}: <joint {name}>: no stops: it has no <limit>; "
+                f"expected one for type {kind}{more}"
+            )
         mimic = element.one("mimic")
         values = [self._number(where, dynamics, key, 0.0) for key in Dynamics]
         if min(values) < 0.0:
@@ -473,8 +485,12 @@ class _Reader:
             self._wrong(joint, f"{where}: no such joint{nearest(mimic.joint, joints)}")
         elif {joint.kind, joints[mimic.joint].kind} - {*one_way, Type.FIXED}:
             self._wrong(joint, f"{where}: expected {', '.join(one_way)} joints on both sides")
-        elif mimic.multiplier == 0.0:
-            self._wrong(joint, f"{where}: multiplier = 0; expected another number, or type fixed")
+        elif not 1.0 / FAR <= abs(mimic.multiplier) <= FAR:
+            text = f"multiplier = {mimic.multiplier:g}; expected another number, or type fixed"
+            self._wrong(joint, f"{where}: {text}")
+        elif abs(mimic.offset) > (FAR if joint.kind == Type.PRISMATIC else TURNS):
+            what = "m" if joint.kind == Type.PRISMATIC else "rad, found some like deg"
+            self._wrong(joint, f"{where}: offset = {mimic.offset:g}; expected {what}")
         else:
             seen = {joint.name}
             while (of := joints[mimic.joint].mimic) is not None and of.joint in joints:
@@ -520,7 +536,7 @@ class _Reader:
         refuse(self._found)
         return roots[0], ordered
 
-    def _reductions(self, notes: list[str]) -> dict[str, float]:
+    def _reductions(self) -> dict[str, float]:
         ratios: dict[str, float] = {}
         for transmission in self._root.all("transmission"):
             holders = [transmission, *transmission.all("joint"), *transmission.all("actuator")]
@@ -534,8 +550,8 @@ class _Reader:
             except ValueError:
                 value = 0.0
             if value == 0.0 or not math.isfinite(value):
-                notes.append(
-                    f"line {own[0].line}: transmission of {', '.join(names)}: left out: "
+                self._notes.append(
+                    f"{self._file.name}:{own[0].line}: transmission of {', '.join(names)}: left out: "
                     f'<mechanicalReduction> "{printable(text)}"; expected a number other than 0'
                 )
                 continue
