@@ -248,7 +248,7 @@ class Radau(ClosingLoop):
         return new_radau_workspace(self._model, self.t, self.y, self._h_next)
 
     def _restart(self) -> None:
-        restart_radau(self._model, self._workspace, self.t)
+        restart_radau(self._model, self._workspace, self.t, False)
 
     def _call(
         self, most: int, times: Array, rows: Array, filled: int, ends: Ends

@@ -401,6 +401,8 @@ class StepLoop(StrideMemory):
         if self._model.n_aux:
             which = self._instants.sampled_at(self.t) & (self.t > self.t0)  # not the start again
             which[self._model.quantities.event_state[list(self._struck)]] = True
+            if self._struck:  # what was before has no force that begins here
+                clock[codes.TAKEN] = 0.0
             self._struck = ()
             if which.any():
                 self.y = sampled(self._model, self.t, self.y, which, self._functions)

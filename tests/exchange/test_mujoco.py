@@ -2,6 +2,7 @@
 
 import sys
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,7 @@ from samples.beam_samples import reduced
 from samples.body_specs import CLAMPED
 from samples.exchange_routes import PROGRAMS
 from scipy.linalg import eigh
+from scipy.spatial.transform import Rotation
 
 from plymotion.preprocess.exchange.formats.mujoco import write
 from plymotion.solver.__main__ import main
@@ -93,6 +95,8 @@ def test_a_section_with_turned_axes_bends_along_them(
     modes = [{"kind": "lowest", "count": 6}, {"kind": "attachment", "at": "tip"}]
     mass = np.diag([0.5, 0.5, 0.5, 1e-4, 4e-5, 6e-5])
     package = reduced(CLAMPED, modes, elements=16, K=K, mass=mass, line=line).package
+    turned = Rotation.from_rotvec([0.3, -1.1, 0.7]).as_matrix()
+    package = replace(package, interfaces=[replace(i, A_BI=turned) for i in package.interfaces])
     write(package, tmp_path / "model.xml", tmp_path)
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "model.xml"))
     data = mujoco.MjData(model)
@@ -100,6 +104,7 @@ def test_a_section_with_turned_axes_bends_along_them(
     M = np.zeros((model.nv, model.nv))
     mujoco.mj_fullM(model, data, M)
     site = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SITE, "tip")
+    assert data.site_xmat[site] == pytest.approx(turned.ravel(), abs=1e-9)
     J, _turns = np.zeros((2, 3, model.nv))
     mujoco.mj_jacSite(model, data, J, _turns, site)
     phi = next(i.phi_B for i in package.interfaces if i.name == "tip")

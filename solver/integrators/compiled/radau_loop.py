@@ -6,7 +6,6 @@ Equations II, section IV.8, is the source of the transformation, the error estim
 control of steps.
 """
 
-from ...dynamics.evaluation.accelerations import sample_into
 from ...dynamics.model.model import Model
 from ...math.arrays import Array
 from ...math.compiled import inlined, lean
@@ -19,7 +18,6 @@ from .radau_stages import (
     C,
     RadauWorkspace,
     accept,
-    begin_anew,
     complete,
     correct,
     embedded_error,
@@ -29,6 +27,7 @@ from .radau_stages import (
     place,
     predict,
     reduce_multipliers,
+    restart_radau,
     softened,
     transform_residuals,
     yield_rows,
@@ -157,8 +156,7 @@ def advance(
         judge(clock)
         filled = _fill_rows(model, options, workspace, t, h, times, rows, filled)
         if at_instant(options, clock):
-            sample_into(model, workspace.work, t_new, workspace.y, workspace.f)
-            begin_anew(model, workspace)
+            restart_radau(model, workspace, t_new, True)
             counts[EVALUATIONS] += 1
         keep_end(ends, taken, t_new, workspace.y)
         if taken < ends.Z.shape[0]:

@@ -16,8 +16,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...dynamics.evaluation.accelerations import derivative_into
+from ...dynamics.evaluation.accelerations import derivative_into, sample_into
 from ...dynamics.evaluation.elimination import solve
+from ...dynamics.model.coordinates import rates_into
 from ...dynamics.model.model import Model, Workspace, new_workspace
 from ...math.arrays import Array, IntArray
 from ...math.compiled import inlined, lean, structure
@@ -44,6 +45,7 @@ from .step_control import (
     set_weights,
 )
 
+SOFT = 0.1  # work of elements over kinetic energy, of a jump that does not count as stiff
 FRESH = 2  # steps after a restart that continue no polynomial
 ROOT = np.sqrt(6.0)
 C = np.array([(4.0 - ROOT) / 10.0, (4.0 + ROOT) / 10.0, 1.0])  # stages [h]
@@ -79,6 +81,7 @@ class RadauWorkspace(NamedTuple):
     pair: Pencil
     y: Array  # (n,) state
     f: Array  # (n,) its rate
+    jump: Array  # (n,) of accelerations at the last restart, of positions G times it; 0: forgotten
     y_old: Array  # (n,) state at the beginning of the last step
     Q: Array  # (3, n) polynomial of the last step
     Z: Array  # (3, n) changes at the stages
@@ -121,6 +124,7 @@ def new_radau_workspace(model: Model, t: float, y: Array, first_step: float) -> 
         new_pencil(model, 1.0 + 0.0j),
         y.copy(),
         np.zeros(n),
+        np.zeros(n),
         y.copy(),
         np.zeros((3, n)),
         np.zeros((3, n)),
@@ -149,37 +153,78 @@ def new_radau_workspace(model: Model, t: float, y: Array, first_step: float) -> 
 
 
 @lean
-def restart_radau(model: Model, workspace: RadauWorkspace, t: float) -> None:
-    """Forget what was before the state at t [s], and evaluate it.
+def restart_radau(model: Model, workspace: RadauWorkspace, t: float, samples: bool) -> None:
+    """Evaluate the state at t [s], behind a jump of forces, and go on from it.
+
+    With what was before and the jump of accelerations and multipliers. Unless TAKEN says that it is
+    forgotten, or the jump is of a stiff motion, which dies out within a step.
 
     Parameters
     ----------
     model : arrays of the mechanism (dynamics/model/model.py)
     workspace : memory of the run
     t : time [s]
+    samples : whether t is an instant at which the states are sampled first
     """
-    derivative_into(model, workspace.work, t, workspace.y, workspace.f)
-    begin_anew(model, workspace)
+    jump, stage, clock = workspace.jump, workspace.stage, workspace.clock
+    first, work, L = model.n_pos, workspace.work, workspace.multipliers_old
+    for i in range(stage.shape[0]):
+        jump[i] = -workspace.f[i]
+    if samples:
+        sample_into(model, work, t, workspace.y, workspace.f)
+    else:
+        derivative_into(model, work, t, workspace.y, workspace.f)
+    for i in range(stage.shape[0]):
+        jump[i] += workspace.f[i]
+        stage[i] = workspace.y[i] if i < first else jump[i]
+    rates_into(model, stage, jump)
+    if clock[TAKEN] == 0.0 or _stiff(model, workspace):
+        clock[TAKEN], clock[BEGUN], jump[:], L[:] = 0.0, workspace.counts[STEPS], 0.0, 0.0
+    now = workspace.predicted[0]
+    for i in range(model.n_constraint):
+        now[i] = work.multipliers[i]
+    start_forces(model, work, now)
+    for i in range(now.shape[0]):
+        more = now[i] - L[2, i]
+        for k in range(3):
+            L[k, i] += more
 
 
-@lean
-def begin_anew(model: Model, workspace: RadauWorkspace) -> None:
-    """Forget what was before the state, which was evaluated last, with its multipliers."""
-    workspace.clock[TAKEN] = 0.0
-    workspace.clock[BEGUN] = workspace.counts[STEPS]
-    for k in range(3):
-        for i in range(model.n_constraint):
-            workspace.multipliers_old[k, i] = workspace.work.multipliers[i]
-        start_forces(model, workspace.work, workspace.multipliers_old[k])
+@inlined
+def _stiff(model: Model, workspace: RadauWorkspace) -> bool:
+    """Return whether a step like the last one answers a jump by more than its inertia.
+
+    By the work of elements along the motion that the jump begins, over its kinetic energy. Modes
+    of bodies always do: most are stiff.
+    """
+    frozen, real, jump, h = workspace.frozen, workspace.real, workspace.jump, workspace.clock[TAKEN]
+    workspace.load[0, :, :] = 0.0
+    workspace.gamma[0, :] = 0.0
+    real.gamma[:] = 0.0
+    inertia_residual(
+        model, frozen.M, frozen.J, jump, workspace.gamma[0], workspace.load[0], real.load, real.gamma
+    )
+    moved, held, modes = 0.0, 0.0, 0
+    for i in range(model.n_body):
+        modes += model.n_mode[i]
+        for k in range(model.layout.size[i]):
+            moved -= real.load[i, k] * jump[model.n_pos + model.vel_start[i] + k]
+    first = model.n_constraint + model.layout.added_start[model.n_body]
+    for k in range(frozen.stiffness.shape[0]):
+        answer = abs(frozen.damping[k]) + 0.5 * h * abs(frozen.stiffness[k])
+        held += h * answer * real.gamma[first + k] ** 2
+    real.gamma[:] = 0.0
+    return modes > 0 or held > SOFT * moved
 
 
 @inlined
 def predict(model: Model, workspace: RadauWorkspace, h: float) -> None:
     """Begin a step of h with the polynomials of the last one, continued.
 
-    After a start there is none. Behind a restart, where forces may have jumped, that of the first
-    step is the one of a transient and does not go on, either. There positions follow their rates,
-    velocities and multipliers stay, and Newton's iteration has no known rate of convergence.
+    Behind a restart with the jump of accelerations. After a start there are none. Where a restart
+    has forgotten them, those of the first step are of a transient and do not go on, either. There
+    positions follow their rates, velocities and multipliers stay, and Newton's iteration has no
+    known rate of convergence.
 
     Parameters
     ----------
@@ -202,6 +247,8 @@ def predict(model: Model, workspace: RadauWorkspace, h: float) -> None:
         for i in range(workspace.y.shape[0]):
             whole = Q[0, i] + Q[1, i] + Q[2, i]
             Z[k, i] = x * (Q[0, i] + x * (Q[1, i] + x * Q[2, i])) - whole
+        for i in range(model.n_pos + model.n_vel):
+            Z[k, i] += C[k] * h * workspace.jump[i] * (0.5 * C[k] * h if i < model.n_pos else 1.0)
         for i in range(model.n_pos if fresh else 0):
             Z[k, i] = C[k] * h * workspace.f[i]
         for i in range(L.shape[1]):
@@ -338,6 +385,7 @@ def accept(workspace: RadauWorkspace, h: float) -> None:
         workspace.y_old[i], y[i] = y[i], workspace.stage[i]
         z0, z1, z2 = Z[0, i], Z[1, i], Z[2, i]
         workspace.f[i] = a0 * z0 + a1 * z1 + a2 * z2
+        workspace.jump[i] = 0.0
         for k in range(3):
             Q[k, i] = POWERS[k, 0] * z0 + POWERS[k, 1] * z1 + POWERS[k, 2] * z2
     for k in range(3):
