@@ -291,7 +291,7 @@ def test_joints_that_mimic_others(tmp_path: Path) -> None:
         (
             '<origin xyz="0 0.05 0.1" rpy="-0.6 0 0"/>',
             '<mimic joint="slide" offset="1e300"/>',
-            r'<joint wrist>: <mimic joint="slide">: offset = 1e\+300; expected rad, found some like',
+            r'<joint wrist>: <mimic joint="slide">: offset = 1e\+300; expected rad, found some',
         ),
         (
             '<box size="0.4 0.06 0.05"/>',

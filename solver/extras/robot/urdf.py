@@ -486,8 +486,8 @@ class _Reader:
         elif {joint.kind, joints[mimic.joint].kind} - {*one_way, Type.FIXED}:
             self._wrong(joint, f"{where}: expected {', '.join(one_way)} joints on both sides")
         elif not 1.0 / FAR <= abs(mimic.multiplier) <= FAR:
-            text = f"multiplier = {mimic.multiplier:g}; expected another number, or type fixed"
-            self._wrong(joint, f"{where}: {text}")
+            text = f"{where}: multiplier = {mimic.multiplier:g}"
+            self._wrong(joint, f"{text}; expected another number, or type fixed")
         elif abs(mimic.offset) > (FAR if joint.kind == Type.PRISMATIC else TURNS):
             what = "m" if joint.kind == Type.PRISMATIC else "rad, found some like deg"
             self._wrong(joint, f"{where}: offset = {mimic.offset:g}; expected {what}")
@@ -550,8 +550,9 @@ class _Reader:
             except ValueError:
                 value = 0.0
             if value == 0.0 or not math.isfinite(value):
+                where = f"{self._file.name}:{own[0].line}: transmission of {', '.join(names)}"
                 self._notes.append(
-                    f"{self._file.name}:{own[0].line}: transmission of {', '.join(names)}: left out: "
+                    f"{where}: left out: "
                     f'<mechanicalReduction> "{printable(text)}"; expected a number other than 0'
                 )
                 continue

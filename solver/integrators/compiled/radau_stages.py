@@ -198,12 +198,11 @@ def _stiff(model: Model, workspace: RadauWorkspace) -> bool:
     of bodies always do: most are stiff.
     """
     frozen, real, jump, h = workspace.frozen, workspace.real, workspace.jump, workspace.clock[TAKEN]
-    workspace.load[0, :, :] = 0.0
-    workspace.gamma[0, :] = 0.0
+    none, rest = workspace.load[0], workspace.gamma[0]
+    none[:, :] = 0.0
+    rest[:] = 0.0
     real.gamma[:] = 0.0
-    inertia_residual(
-        model, frozen.M, frozen.J, jump, workspace.gamma[0], workspace.load[0], real.load, real.gamma
-    )
+    inertia_residual(model, frozen.M, frozen.J, jump, rest, none, real.load, real.gamma)
     moved, held, modes = 0.0, 0.0, 0
     for i in range(model.n_body):
         modes += model.n_mode[i]
