@@ -19,6 +19,7 @@ from ...dynamics.elements.forces.limit_stop import LIMIT_STOP
 from ...errors import InputError, nearest, refuse
 from ...math.arrays import Array
 from ...math.rotations import matrix_to_vector
+from ..tolerances import CLEAR, DEGREES, LONG, MANY_TURNS, SLIM, WIDE
 from .urdf import HERE, Inertia, Pose, Robot, Type, UrdfJoint, about
 
 Tables = dict[str, Any]
@@ -27,10 +28,6 @@ Base = Literal["fixed", "free"]
 GROUND = "ground"
 SINGLE = (Type.REVOLUTE, Type.CONTINUOUS, Type.PRISMATIC)
 TRIANGLE = 1e-5  # relative, of principal moments: that of the check of a case
-# Radius of gyration over the distance from the centre to the farthest joint. Of 1045 moving links
-# of 60 robots with an inertia, the least is 0.15; a mass 1e3 too large divides it by 32.
-SLIM, WIDE, LONG = 0.05, 30.0, 100.0  # [m] of the last
-CLEAR = 0.02  # distance from which on a large ratio says something [m]
 STOP_DEPTH = 0.01  # at which a stop balances the effort of the drive [rad, m]
 # Axes along which and about which joints move that are no hinges: 0 is that of the joint.
 MOTIONS: dict[str, tuple[list[int], list[int]]] = {
@@ -39,7 +36,6 @@ MOTIONS: dict[str, tuple[list[int], list[int]]] = {
     Type.FLOATING: ([0, 1, 2], [0, 1, 2]),
     Type.FIXED: ([], []),
 }
-MANY_TURNS, DEGREES = 20.0, 720.0  # limits: of 69 robots up to 10 rad, or 1e16 for none
 SINGULAR = 1e-12  # least eigenvalue of a mass matrix with a diagonal of 1
 REST = 0.01  # speed below which the direction of friction is smoothed [rad/s, m/s]
 

@@ -10,7 +10,8 @@ import numpy as np
 from ...errors import InputError, refuse
 from ...math.arrays import Array
 from ...results.surfaces import BOX, SIGNS, halved, prism, stl_triangles, unit_sphere
-from .case import LONG, Body
+from ..tolerances import LONG
+from .case import Body
 from .urdf import Robot, Shape
 
 MOST_TRIANGLES = 800  # of a body: a report draws each in every frame

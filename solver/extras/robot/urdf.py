@@ -18,6 +18,7 @@ import numpy as np
 from ...errors import InputError, did_you_mean, nearest, printable, refuse
 from ...math.arrays import Array
 from ...math.rotations import vector_to_matrix
+from ..tolerances import FAR, TURNS
 
 Thing = TypeVar("Thing")
 
@@ -65,8 +66,6 @@ KNOWN = {
 }
 ALIKE = 0.65  # of words: extensions of other programs look less like these
 MOST_BYTES = 50_000_000
-TURNS = 6.3  # of roll, pitch and yaw [rad]: more are degrees
-FAR = 1e6  # more than the distance of any place [m], the multiplier of any joint
 
 
 @dataclass
