@@ -70,15 +70,12 @@ def ply_peaks(
 
 def weakest(peaks: Sequence[PlyPeak]) -> dict[str, PlyPeak]:
     """The ply with the least margin by each criterion, of the plies that it judges."""
-    peaks_by_name: dict[str, PlyPeak] = {}
+    least: dict[str, PlyPeak] = {}
     for peak in peaks:
         for name, reserve in peak.reserves.items():
-            if (
-                name not in peaks_by_name
-                or reserve.ratio < peaks_by_name[name].reserves[name].ratio
-            ):
-                peaks_by_name[name] = peak
-    return peaks_by_name
+            if name not in least or reserve.ratio < least[name].reserves[name].ratio:
+                least[name] = peak
+    return least
 
 
 def judged_peaks(
