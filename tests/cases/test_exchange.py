@@ -8,6 +8,7 @@ import pytest
 from samples.case_samples import case_runs, run_case
 
 from plymotion.solver.math.arrays import Array
+from plymotion.solver.package import read_package
 
 RUNS = ("beam", "shell", "calculix-solid", "calculix-shell", "mystran")
 
@@ -47,3 +48,19 @@ def test_tip_moves_as_that_of_the_shell(
     found = signals[run]["bending"]
     assert np.abs(found).max() == pytest.approx(largest, rel=peak)
     assert np.abs(found - across).max() < course * largest
+
+
+@pytest.mark.parametrize("name", ["arm.beam", "calculix-solid", "mystran"])
+def test_extension_couples_with_bending_as_in_the_shell(repository: Path, name: str) -> None:
+    """The beam had its plies from the other side: 7.6e-6 m/(N m) with the other sign."""
+
+    def flexibility(name: str) -> Array:
+        folder = "tests/packages/exchange" if name.startswith("arm") else "cases/exchange"
+        package = read_package(repository / folder / f"{name}.vtkhdf")
+        tip = next(place for place in package.interfaces if place.name == "tip")
+        motion = np.vstack([tip.phi_B, tip.psi_B])
+        return np.asarray(motion @ np.linalg.solve(package.stiffness, motion.T))
+
+    rows, columns = [0, 3, 4], [4, 4, 4]  # extension, twist and bending by a moment about y
+    expected = flexibility("arm.shell")[rows, columns]
+    np.testing.assert_allclose(flexibility(name)[rows, columns], expected, rtol=0.03)
