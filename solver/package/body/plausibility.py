@@ -152,15 +152,19 @@ def _modal_mass(package: ModalPackage) -> Iterator[Remark]:
     smallest = float(eigenvalues((rest + rest.T) / 2)[0])
     lumped = package.invariants.mass_form == "lumped"
     if smallest < -(LUMPED_T11 if lumped else CONSISTENCY):
+        share = np.diag(translation) / np.diag(package.mass)
+        k = int(share.argmax())
         text = (
-            f"the mass of translation of a mode (trace) exceeds its modal mass by "
-            f"{-100.0 * smallest:.2g} %: its rotary inertia would be negative"
+            f"the mass of translation (trace) exceeds the modal mass by {100 * share[k] - 100:.3g} "
+            f"% in mode {k + 1} and by {-100 * smallest:.3g} % in a combination of modes: rotary "
+            "inertia would be negative"
         )
         if lumped:
             text += (
-                ". It is a sum over nodes, as the mass matrix does not tell it exactly "
-                "(docs/exchange.md, What is computed): centrifugal and Coriolis forces of the "
-                "modes have about this error, frequencies have not. A finer mesh makes it smaller"
+                ". It is a sum over nodes, because the mass matrix does not tell it exactly "
+                "(docs/exchange.md, What is computed): forces of second order in these modes "
+                "(centrifugal, Coriolis) have an error of this order, frequencies have none. A "
+                "finer mesh makes it smaller"
             )
         yield _finding("warning" if lumped else "error", "invariants/T11_B", text)
     gap = float(np.abs(package.mass - np.eye(package.n_mode)).max())
