@@ -180,13 +180,8 @@ def _panels(
 def _mark_peak(axes: Any, t: Array, values: Array, shade: str) -> None:
     at = int(np.nanargmax(np.abs(values)))
     axes.plot(t[at], values[at], "o", markersize=5, markerfacecolor="white", color=shade, zorder=4)
-    axes.set_title(
-        f"largest {abs(values[at]):.3g} at {t[at]:.3f} s",
-        loc="right",
-        fontsize=8,
-        fontweight="normal",
-        color=INK,
-    )
+    words = f"largest {abs(values[at]):.3g} at {t[at]:.3f} s"
+    axes.set_title(words, loc="right", fontsize=8, fontweight="normal", color=INK)
 
 
 def _label(signal: Signal) -> str:
@@ -310,21 +305,11 @@ def segments(body: BodyGeometry, own: Array) -> list[Array]:
 
 
 def _words(axes: Any, story: Story, path: Array) -> None:
-    last = "stop" if story.stopped else "end"
-    t_end = float(story.result.t[-1])
+    word, ink = ("stop", WARNING) if story.stopped else ("end", INK)
     box = {"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.0}
-    for at, text in ((0, "start"), (-1, f"{last}, {t_end:.4g} s")):
-        red = at == -1 and story.stopped
-        axes.annotate(
-            text,
-            path[at],
-            xytext=(6, 6),
-            textcoords="offset points",
-            fontsize=8,
-            color=WARNING if red else INK,
-            bbox=box,
-            zorder=6,
-        )
+    style = {"textcoords": "offset points", "fontsize": 8, "bbox": box, "zorder": 6}
+    axes.annotate("start", path[0], (6, 6), color=INK, **style)
+    axes.annotate(f"{word}, {story.result.t[-1]:.4g} s", path[-1], (6, 6), color=ink, **style)
 
 
 def draw_orbit(path: Path, wanted: Comparison, stories: list[Story]) -> Path:

@@ -135,16 +135,8 @@ def mark_stop(axes: Any, t: float, t_full: float, *, label: bool = True) -> None
     """
     axes.axvline(t, color=WARNING, linewidth=1.0, linestyle=(0, (3, 2)), zorder=1)
     if label:
-        left = t < 0.6 * t_full
-        axes.annotate(
-            f"stopped at {t:.4g} s",
-            (t, 1.0),
-            xycoords=("data", "axes fraction"),
-            xytext=(4 if left else -4, -3),
-            textcoords="offset points",
-            ha="left" if left else "right",
-            va="top",
-            color=WARNING,
-            fontsize=8,
-            bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.8},
-        )
+        side, ha = (4, "left") if t < 0.6 * t_full else (-4, "right")
+        box = {"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.8}
+        where = (t, 1.0), (side, -3), ("data", "axes fraction"), "offset points"
+        style = {"color": WARNING, "fontsize": 8, "bbox": box}
+        axes.annotate(f"stopped at {t:.4g} s", *where, ha=ha, va="top", **style)

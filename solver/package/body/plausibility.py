@@ -21,6 +21,11 @@ from .package_schema import CellResultants, Interface, LaminateData, ModalPackag
 TOTAL_MASS = 1e-6  # relative: nodal masses against the invariants
 CONSISTENCY = 1e-6  # relative: two results of the same FE model
 LUMPED_T11 = 0.05  # relative: lumped invariants and a modal mass that may be consistent
+LUMPED_WORDS = (
+    ": it is a sum over nodes, because the mass matrix does not tell it exactly (docs/exchange.md, "
+    "What is computed). Centrifugal and Coriolis forces of these modes have an error of this "
+    "order, frequencies have none; a finer mesh makes it smaller"
+)
 OVERDAMPED = 100.0  # least damping ratio of a body: modes would creep, 200 times the period long
 NEGATIVE = 1e-9  # eigenvalue of a stiffness of unit diagonal, damping ratio: above round-off
 AT_REST = 1e-9  # motion of a reference node relative to the largest of its mode
@@ -156,16 +161,9 @@ def _modal_mass(package: ModalPackage) -> Iterator[Remark]:
         k = int(share.argmax())
         text = (
             f"the mass of translation (trace) exceeds the modal mass by {100 * share[k] - 100:.3g} "
-            f"% in mode {k + 1} and by {-100 * smallest:.3g} % in a combination of modes: rotary "
-            "inertia would be negative"
+            f"% in mode {k + 1} and by {-100 * smallest:.3g} % in a combination of modes"
         )
-        if lumped:
-            text += (
-                ". It is a sum over nodes, because the mass matrix does not tell it exactly "
-                "(docs/exchange.md, What is computed): forces of second order in these modes "
-                "(centrifugal, Coriolis) have an error of this order, frequencies have none. A "
-                "finer mesh makes it smaller"
-            )
+        text += LUMPED_WORDS if lumped else ": rotary inertia would be negative"
         yield _finding("warning" if lumped else "error", "invariants/T11_B", text)
     gap = float(np.abs(package.mass - np.eye(package.n_mode)).max())
     if gap > CONSISTENCY:

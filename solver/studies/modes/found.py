@@ -524,21 +524,18 @@ def draw(path: Path, diagram: Diagram) -> Path:
         labels: list[tuple[float, str, str]] = []  # beside the ends of lines: height, text, colour
         for n in range(1, diagram.harmonics + 1):
             axes.plot(c.speeds, n * c.speeds / hz, color=GREY, linewidth=0.8, linestyle=(0, (4, 2)))
-            if n * c.speeds[-1] / hz <= top:
-                labels.append((n * c.speeds[-1] / hz, f"{n}P", GREY))
+            if (end := n * c.speeds[-1] / hz) <= top:
+                labels.append((end, f"{n}P", GREY))
             else:
                 axes.text(top * hz / n, top, f"{n}P ", color=GREY, fontsize=8, va="top", ha="right")
         for i, b in enumerate(drawn):
             name = diagram.names[b]
             line = DASHES[1] if name.endswith(", backward") else "-"
-            axes.plot(
-                c.speeds, followed[:, b], color=colour(i), linestyle=line, label=f"{b + 1} {name}"
-            )
-            grows = c.growth[:, b] > 0.0
-            axes.plot(
-                c.speeds[grows], followed[grows, b], ".", color=WARNING, markersize=4, zorder=4
-            )
-            if np.isfinite(followed[-1, b]) and followed[-1, b] <= top:
+            style = {"color": colour(i), "linestyle": line, "label": f"{b + 1} {name}"}
+            axes.plot(c.speeds, followed[:, b], **style)
+            grows = np.where(c.growth[:, b] > 0.0, followed[:, b], np.nan)
+            axes.plot(c.speeds, grows, ".", color=WARNING, markersize=4, zorder=4)
+            if np.isfinite(followed[-1, b]):
                 labels.append((followed[-1, b], f"{b + 1}", colour(i)))
         points = [(x.speed, x.frequency / hz) for x in diagram.crossings if x.frequency / hz < top]
         if points:
@@ -546,16 +543,9 @@ def draw(path: Path, diagram: Diagram) -> Path:
         height = -1.0
         for at, text, ink in sorted(labels):
             height = max(at / top, height + _APART)
-            axes.annotate(
-                text,
-                (1.0, at / top),
-                (1.03, height),
-                "axes fraction",
-                color=ink,
-                fontsize=8,
-                va="center",
-                arrowprops={"arrowstyle": "-", "color": ink, "linewidth": 0.4},
-            )
+            where = (1.0, at / top), (1.03, height), "axes fraction"
+            to = {"arrowstyle": "-", "color": ink, "linewidth": 0.4}
+            axes.annotate(text, *where, color=ink, fontsize=8, va="center", arrowprops=to)
         axes.set_xlim(c.speeds[0], c.speeds[-1])
         axes.set_ylim(0.0, top)
         seen = "axes at rest" if diagram.fixed else "axes that turn"

@@ -15,21 +15,13 @@ from ....package.specification import (
     ShellLinkKind,
     SpinningKind,
 )
-from ...common.input_table import (
-    FilePath,
-    Name,
-    Oriented,
-    Table,
-    Vector,
-    entry,
-    optional,
-    validated,
-)
+from ...common.input_table import FilePath, Name, Oriented, Table, Vector, entry, optional
 from ...common.text_file import read_toml
-from ...common.units import UNITS, file_units, unit_of
+from ...common.units import UNITS, unit_of
 from ...section.description import ShapeMesh, shape_or
 from ...shell import LINKS, MOST_REFINED, REFINE
-from ...solid import SolidDescription, SolidInterface
+from ...solid import SolidInterface
+from ...solid_specification import solid_table
 from .laws import FOLDER
 
 DEFAULT_PLACE = "root"  # of a clamped frame
@@ -354,9 +346,8 @@ class SolidBody(Meshed):
         if not isinstance(data, dict) or "interfaces" in data or "solid" not in data:
             return data
         file = Path((info.context or {}).get(FOLDER, "."), str(data["solid"]))
-        table = read_toml(file, "solid description")
-        found = validated(SolidDescription, table, file, **file_units(table))
-        return {**data, "interfaces": found.interfaces}
+        description, _ = solid_table(read_toml(file, "solid description"), file)
+        return {**data, "interfaces": description.interfaces}
 
 
 class RigidBody(Placed):
