@@ -90,10 +90,10 @@ def mode_rates(condition: Condition, modes: Modes, changes: Sequence[Change]) ->
     MX, MS = condition.M @ X, condition.M @ S
     force = static.loads[:, :n_load] @ modes.combination[n_eigen:]
     force += MX * values @ modes.combination[:n_eigen]
-    for row, (change, (dX, dL), (da, dF)) in enumerate(zip(changes, turned, loads, strict=True)):
+    for row, (change, (dX, dL), (da, _)) in enumerate(zip(changes, turned, loads, strict=True)):
         U = static.columns
         dU = shapes[:, row * n_load : (row + 1) * n_load]
-        dU = dU + condition.momentum_rate(change.M, U[:, :n_load])
+        dU = dU + condition.relief(change.M @ U[:, :n_load])
         dA = dX * values + X @ dL
         dY = np.hstack([dX, dU]) @ modes.combination
         dB = np.hstack([dA, da[:, :n_load]]) @ modes.combination
@@ -104,7 +104,8 @@ def mode_rates(condition: Condition, modes: Modes, changes: Sequence[Change]) ->
         W, R = _turning(stiff, R)
         T = W - 0.5 * N
         own = X * values
-        C = U[:, n_load:].T @ dF[:, n_load:]
+        unit = change.forces + change.M @ static.accelerations  # what balances it does no work
+        C = U[:, n_load:].T @ unit[:, n_load:]
         C = C + C.T - U[:, n_load:].T @ (change.K @ U[:, n_load:])
         rates.append(
             ModeRates(

@@ -96,7 +96,10 @@ class Condition(Protocol):
         """Shapes under nodal forces (n_dof, k) and loads M a, a = accelerations (n_dof, k)."""
 
     def relief(self, loads: Array) -> Array:
-        """Accelerations (n_dof, k) of a free body that balance loads (n_dof, k)."""
+        """Accelerations (n_dof, k) of a free body that balance loads (n_dof, k).
+
+        Also the rigid motion in the derivative of shapes, with that of the mass times them as load.
+        """
 
     def load_rates(
         self, static: StaticShapes, mass: Any, forces: Array, accelerations: Array
@@ -105,9 +108,6 @@ class Condition(Protocol):
 
         From those of the mass, the forces and the accelerations that were given.
         """
-
-    def momentum_rate(self, mass: Any, columns: Array) -> Array:
-        """Rigid motion in the derivative of columns (n_dof, k), with that of the mass."""
 
 
 class HeldDofs:
@@ -145,10 +145,6 @@ class HeldDofs:
     ) -> tuple[Array, Array]:
         """See `Condition`."""
         return accelerations, forces + mass @ static.accelerations + self.M @ accelerations
-
-    def momentum_rate(self, mass: Any, columns: Array) -> Array:
-        """See `Condition`."""
-        return np.zeros_like(columns)
 
     def _expanded(self, X_free: Array) -> Array:
         columns = np.zeros((self.K.shape[0], X_free.shape[1]))
@@ -237,10 +233,6 @@ class MeanAxis:
         """See `Condition`. What balances the load changes, too."""
         loads = forces + mass @ static.accelerations + self.M @ accelerations
         return self._balanced(accelerations, loads)
-
-    def momentum_rate(self, mass: Any, columns: Array) -> Array:
-        """See `Condition`."""
-        return self.relief(mass @ columns)
 
     def _balanced(self, accelerations: Array, loads: Array) -> tuple[Array, Array]:
         """Return accelerations and loads (n_dof, k) in equilibrium: with reactions, or inertia."""

@@ -70,7 +70,7 @@ def second_order_columns(
     loads = condition.load_rates(StaticShapes(zero, zero, zero), 0.0 * condition.M, loads, zero)[1]
     step = near.condition.static(loads - condition.K @ near.columns, zero).columns
     change = condition.M - near.condition.M
-    return near.columns + step + near.condition.momentum_rate(change, near.columns)
+    return near.columns + step + near.condition.relief(change @ near.columns)
 
 
 def pair_forces(problem: ShellProblem, u: Array) -> Array:
