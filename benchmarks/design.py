@@ -91,7 +91,7 @@ def signals_of_scenes(folder: Path) -> dict[str, float]:
     """Errors of derivatives of signals over time, along a direction of two ply angles.
 
     Over the largest derivative of the signal, against six-point differences of rebuilt designs; of
-    three steps the best counts: the noise of runs spoils small ones, fast vibrations large ones.
+    four steps the best counts: the noise of runs spoils small ones, fast vibrations large ones.
     """
     p, direction, found = np.array([55.0, -25.0]), np.array([0.8, -0.6]), dict[str, float]()
     for name, change in SCENES.items():
@@ -102,12 +102,15 @@ def signals_of_scenes(folder: Path) -> dict[str, float]:
         study["subject_to"] = [{**other, "max": 1e9} for other in others]
         table["design"]["studies"] = {"all": study}
         given = StudySpec(table, Path("scene.toml"), False, "all", folder / name)
-        exact, plain = Trials(replace(given, exact=True)), Trials(given)
-        assert not exact.values(p).why
+        exact = Trials(replace(given, exact=True))
+        # packages without derivatives keep strains to 5e-7 only
+        plain = Trials(replace(given, exact=name == "stresses"))
+        if why := exact.values(p).why:
+            raise SystemExit(f"{name}: {why}")
         columns = exact._columns(p)
         slopes = [np.tensordot(direction, column, 1) for column in zip(*columns, strict=True)]
         errors = np.full(len(slopes), np.inf)
-        for step in (0.2, 0.04, 0.008):
+        for step in (0.2, 0.04, 0.015, 0.006):
             expected = [np.zeros_like(slope) for slope in slopes]
             for place, weight in zip(SIX, SIX_WEIGHTS, strict=True):
                 assert not plain.values(p + place * step * direction).why

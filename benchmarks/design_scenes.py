@@ -64,7 +64,7 @@ def second(table: Table, joint: Table) -> None:
     """Another arm of the same section at the tip of the first."""
     table["bodies"]["fore"] = {**table["bodies"]["arm"], "length": 0.4, "position": [0.6, 0.0, 0.0]}
     table["joints"]["elbow"] = {"between": ["arm.tip", "fore.root"], **joint}
-    table["signals"]["fore"] = {"kind": "position", "at": "fore.tip", "component": "z"}
+    table["signals"]["fore"] = {"kind": "deflection", "at": "fore.tip", "component": "z"}
 
 
 @scene
@@ -109,10 +109,11 @@ def spring_and_damper(table: Table) -> None:
 
 @scene
 def hanging_in_equilibrium(table: Table) -> None:
+    pushed(table, expression="20 * sin(30 * t)")
+    push = table["forces"]["push"]
+    twist = {**push, "kind": "torque", "direction": [1.0, 0.0, 0.0]}
     spring_and_damper(table)
-    table["forces"]["push"] = {
-        "kind": "force", "at": "arm.tip", "direction": Z, "law": {"polynomial": [0.0, 30.0]}
-    }  # fmt: skip
+    table["forces"] |= {"push": push, "twist": twist}
     table["solver"]["start"] = "equilibrium"
 
 
@@ -130,7 +131,8 @@ def controlled(table: Table) -> None:
 @scene
 def controlled_by_samples(table: Table) -> None:
     controlled(table)
-    table["forces"]["motor"]["sample_time"] = 0.004
+    gains = {"proportional": 20.0, "derivative": 0.0, "integral": 10.0}
+    table["forces"]["motor"] |= {**gains, "sample_time": 0.002}
 
 
 @scene
@@ -219,7 +221,7 @@ def slider_crank(table: Table) -> None:
 
 @scene
 def stresses(table: Table) -> None:
-    """Signals of plies, sections and joints of the driven arm."""
+    """Signals of plies, sections and joints of the driven arm; maxima over plies have kinks."""
     smooth_drive(table)
     table["signals"] = {
         "moment": {"kind": "resultant", "body": "arm", "x": 0.1, "component": "M2"},
@@ -229,5 +231,8 @@ def stresses(table: Table) -> None:
         "torque": {
             "kind": "reaction", "joint": "root", "quantity": "moment", "component": "y"
         },
-        "ratio": {"kind": "exposure", "body": "arm"},
+        "fibre": {
+            "kind": "ply_stress", "body": "arm", "x": 0.1, "region": "top", "ply": 1,
+            "component": "11", "point": [0.0, 0.007],
+        },
     }  # fmt: skip
