@@ -110,7 +110,7 @@ def equilibrium(model: Model, start: Start, body_names: list[str]) -> Start:
         f"solver.start: no static equilibrium within {most} steps; "
         f"{pushed(model, push, body_names)}. Expected loads that joints, springs and "
         "elasticity can balance"
-        + ("; a rotor that the wind turns has modes at `spin=SPEED` or `start`" if wind else "")
+        + ("; for a rotor in the wind, use `spin=SPEED` or `start`" if wind else "")
     )
 
 
