@@ -258,7 +258,7 @@ def test_a_rotor_that_the_wind_turns_has_no_equilibrium(tmp_path, monkeypatch):
     monkeypatch.setattr(equilibrium, "_IN_WIND", 2)
     solver = 't_end = 1.0\noutput_step = 0.1\nstart = "equilibrium"'
     case = load_case(write_rotor(tmp_path, free=True, solver=solver))
-    with pytest.raises(InputError, match=r"within 2 steps.*the wind turns has modes at `spin="):
+    with pytest.raises(InputError, match=r"within 2 steps.*in the wind, use `spin="):
         prepare(case.runs["all"], {})
 
 
