@@ -10,7 +10,8 @@ import numpy as np
 
 from ..solver.errors import InputError
 from ..solver.math.arrays import Array
-from ..solver.results.summary import SquareIntegral
+from ..solver.results import Signal as History
+from ..solver.results import signal_summary
 from ..solver.results.summary import spectrum as amplitude_spectrum
 
 MOST_POINTS = 240  # of a curve: more are not seen
@@ -134,43 +135,43 @@ class Signal:
 
     @property
     def min(self) -> float:
-        """Smallest value, NaN left out.
+        """Smallest finite value; NaN if there is none.
 
         >>> import plymotion as pm
         >>> round(pm.run("pendulum.toml").signals["tip_z"].min, 2)
         -1.0
         """
-        return float(np.nanmin(self.values))
+        return self._measure("min")
 
     @property
     def max(self) -> float:
-        """Largest value, NaN left out.
+        """Largest finite value; NaN if there is none.
 
         >>> import plymotion as pm
         >>> round(pm.run("pendulum.toml").signals["angle"].max, 3)
         3.142
         """
-        return float(np.nanmax(self.values))
+        return self._measure("max")
 
     @property
     def t_of_min(self) -> float:
-        """Time of the smallest value [s].
+        """Time of the smallest finite value [s]; NaN if there is none.
 
         >>> import plymotion as pm
         >>> round(pm.run("pendulum.toml").signals["tip_z"].t_of_min, 2)
         0.48
         """
-        return float(self.t[np.nanargmin(self.values)])
+        return self._measure("t_min")
 
     @property
     def t_of_max(self) -> float:
-        """Time of the largest value [s].
+        """Time of the largest finite value [s]; NaN if there is none.
 
         >>> import plymotion as pm
         >>> round(pm.run("pendulum.toml").signals["angle"].t_of_max, 2)
         0.97
         """
-        return float(self.t[np.nanargmax(self.values)])
+        return self._measure("t_max")
 
     @property
     def rms(self) -> float:
@@ -180,10 +181,7 @@ class Signal:
         >>> round(pm.run("pendulum.toml").signals["angle"].rms, 3)
         1.982
         """
-        integral = SquareIntegral()
-        integral.take(self.t, self.values)
-        value = integral.rms()
-        return np.nan if value is None else value
+        return self._measure("rms")
 
     @property
     def peak_to_peak(self) -> float:
@@ -193,7 +191,13 @@ class Signal:
         >>> round(pm.run("pendulum.toml").signals["angle"].peak_to_peak, 3)
         3.142
         """
-        return self.max - self.min
+        return self._measure("peak_to_peak")
+
+    def _measure(self, name: str) -> float:
+        """Return a measure as tables and summary.json have it."""
+        history = History(self.name, self.unit, self.description, self.values)
+        value = signal_summary(history, self.t)[name]
+        return value if isinstance(value, float) else np.nan
 
     def spectrum(self, window: str = "hann") -> tuple[Array, Array]:
         """Return frequencies [Hz] and amplitudes, (m,), see docs/python.md.

@@ -1,5 +1,6 @@
 """Figures of a case: signals over time, spectra, motion, energy balance, exposure of plies."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -89,9 +90,11 @@ def draw_comparison(path: Path, wanted: Comparison, stories: list[Story]) -> Pat
     wanted : signal, title and runs of the figure
     stories : runs of the case, with results and summary
     """
-    signals = [story.signal(wanted.signal) for story in stories]
+    given = [story.signal(wanted.signal) for story in stories]
+    signals = [replace(s, values=np.where(np.isfinite(s.values), s.values, np.nan)) for s in given]
     t_full = max(float(story.result.t[-1]) for story in stories)
-    if crossings(stories, signals) > CROSSINGS or spread(signals) > SPREAD:
+    uneven = not wanted.ratio and spread(signals) > SPREAD  # ratios have a logarithmic scale
+    if crossings(stories, signals) > CROSSINGS or uneven:
         canvas = _panels(wanted, stories, signals, t_full)
     else:
         canvas = _together(wanted, stories, signals, t_full)
@@ -114,8 +117,19 @@ def crossings(stories: list[Story], signals: list[Signal]) -> int:
 
 def spread(signals: list[Signal]) -> float:
     """Return the ratio of the largest to the smallest magnitude among curves."""
-    peaks = [float(np.nanmax(np.abs(signal.values))) for signal in signals]
+    peaks = [float(np.nanmax(np.abs(s.values))) for s in signals if _known(s)] or [0.0]
     return max(peaks) / min(peaks) if min(peaks) > 0 else np.inf if max(peaks) > 0 else 1.0
+
+
+def _known(signal: Signal) -> bool:
+    return bool(np.isfinite(signal.values).any())
+
+
+def _titled(wanted: Comparison, story: Story, signal: Signal) -> str:
+    """Return the title of a run, which says so if its signal has no finite value."""
+    if _known(signal):
+        return story.title
+    return f"{story.title}: {'no stress' if wanted.ratio else 'no finite values'}"
 
 
 def _together(
@@ -126,11 +140,15 @@ def _together(
     for i, (story, signal) in enumerate(zip(stories, signals, strict=True)):
         t, values = story.result.t, signal.values
         style = {"color": colour(i), "linestyle": DASHES[i % len(DASHES)]}
-        axes.plot(t, values, label=story.title, **style)
+        (line,) = axes.plot(t, values, label=_titled(wanted, story, signal), **style)
+        if wanted.ratio and _known(signal):
+            line.set_label(f"{story.title}, {_mark(axes, t, values, colour(i), smallest=True)}")
         if story.stopped:
             axes.plot(t[-1], values[-1], "x", color=colour(i), markersize=6)
             mark_stop(axes, float(t[-1]), t_full)
     axes.set_xlim(0, t_full)
+    if wanted.ratio:
+        axes.set_yscale("log")
     return _named(canvas, axes, wanted, "time [s]", _label(signals[0]))
 
 
@@ -145,43 +163,44 @@ def _named(canvas: Canvas, axes: Any, wanted: Comparison, along: str, up: str) -
 def _panels(
     wanted: Comparison, stories: list[Story], signals: list[Signal], t_full: float
 ) -> Canvas:
-    n = len(stories)
-    shared = spread(signals) <= SPREAD
+    every = list(zip(stories, signals, strict=True))
+    missing = [_titled(wanted, *each) for each in every if not _known(each[1])]
+    shown = [each for each in every if _known(each[1])]
+    n = len(shown)
+    shared = wanted.ratio or spread(signals) <= SPREAD
     canvas = Canvas(7.6, 1.0 + 1.55 * n)
     panels = canvas.panels(n, sharex=True, sharey=shared)
-    low = min(float(np.nanmin(s.values)) for s in signals)
-    high = max(float(np.nanmax(s.values)) for s in signals)
-    for i, axes in enumerate(panels):
-        if shared:
-            for j in range(n):
-                if j != i:
-                    axes.plot(
-                        stories[j].result.t, signals[j].values, color=PALE, linewidth=0.7, zorder=1
-                    )
-            margin = 0.08 * (high - low)
-            axes.set_ylim(low - margin, high + margin)
-        t, values = stories[i].result.t, signals[i].values
+    for i, (axes, (story, signal)) in enumerate(zip(panels, shown, strict=True)):
+        for other, pale in shown if shared else ():
+            if other is not story:
+                axes.plot(other.result.t, pale.values, color=PALE, linewidth=0.7, zorder=1)
+        t, values = story.result.t, signal.values
         axes.plot(t, values, color=colour(i), zorder=3)
-        _mark_peak(axes, t, values, colour(i))
-        if stories[i].stopped:
+        words = _mark(axes, t, values, colour(i), smallest=wanted.ratio)
+        axes.set_title(words, loc="right", fontsize=8, fontweight="normal", color=INK)
+        if wanted.ratio:
+            axes.set_yscale("log")
+        axes.margins(y=0.08)
+        if story.stopped:
             mark_stop(axes, float(t[-1]), t_full)
-        axes.set_title(stories[i].title, fontsize=9, color=colour(i))
+        axes.set_title(story.title, fontsize=9, color=colour(i))
     panels[-1].set_xlabel("time [s]")
     panels[-1].set_xlim(0, t_full)
     canvas.figure.supylabel(_label(signals[0]), fontsize=9, color=INK)
     canvas.figure.suptitle(wanted.title, fontsize=10.5, fontweight="bold", x=0.02, ha="left")
+    circle = "smallest value" if wanted.ratio else "largest magnitude"
     note = "pale: the other runs, same scale" if shared else "each panel has its own scale"
-    canvas.figure.supxlabel(
-        f"circle: largest magnitude   |   {note}", fontsize=7.5, color=GREY, x=0.98, ha="right"
-    )
+    notes = "   |   ".join([f"circle: {circle}", note, *missing])
+    canvas.figure.supxlabel(notes, fontsize=7.5, color=GREY, x=0.98, ha="right")
     return canvas
 
 
-def _mark_peak(axes: Any, t: Array, values: Array, shade: str) -> None:
-    at = int(np.nanargmax(np.abs(values)))
+def _mark(axes: Any, t: Array, values: Array, shade: str, *, smallest: bool) -> str:
+    """Mark the value that governs with a circle; return it and its time in words."""
+    at = int(np.nanargmin(values) if smallest else np.nanargmax(np.abs(values)))
     axes.plot(t[at], values[at], "o", markersize=5, markerfacecolor="white", color=shade, zorder=4)
-    words = f"largest {abs(values[at]):.3g} at {t[at]:.3f} s"
-    axes.set_title(words, loc="right", fontsize=8, fontweight="normal", color=INK)
+    number = values[at] if smallest else abs(values[at])
+    return f"{'smallest' if smallest else 'largest'} {number:.3g} at {t[at]:.3f} s"
 
 
 def _label(signal: Signal) -> str:

@@ -70,6 +70,12 @@ class Story:
             raise InputError(f"run {self.name}: no signal {name!r}{nearest(name, self._signals)}")
         return self._signals[name]
 
+    def is_ratio(self, name: str) -> bool:
+        """Return whether a signal is a strength ratio."""
+        signals = self.inputs.get("signals")
+        asked = signals.get(name, {}) if isinstance(signals, dict) else {}
+        return asked.get("kind") == "strength_ratio" and not asked.get("divide_by")
+
     @cached_property
     def _signals(self) -> dict[str, Signal]:
         return {signal.name: signal for signal in self.result.signals}
@@ -85,6 +91,7 @@ class Comparison(NamedTuple):
     spectrum: bool = False  # amplitudes over frequency, not values over time
     more: bool = False  # beside the figures of the case
     against: str = ""  # the signal along the horizontal axis, in place of time
+    ratio: bool = False  # a strength ratio: the smallest value governs, infinite without stress
 
 
 def read_story(
@@ -148,8 +155,10 @@ def comparisons(case: Mapping[str, Any], stories: list[Story]) -> list[Compariso
         if runs:
             title, spectrum = figure.get("title") or name, bool(figure.get("spectrum"))
             more, against = bool(figure.get("more")), str(figure.get("against") or "")
+            signal = figure["signal"]
+            ratio = any(story.is_ratio(signal) for story in stories)
             comparisons_shown.append(
-                Comparison(name, title, figure["signal"], runs, spectrum, more, against)
+                Comparison(name, title, signal, runs, spectrum, more, against, ratio)
             )
     return comparisons_shown
 

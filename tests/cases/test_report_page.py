@@ -221,6 +221,12 @@ def test_small_and_large_numbers_of_an_axis_have_powers_of_ten(browser: Browser)
         ([0, 2.5e6], ["0", "2.5e+6"]),
     ):
         assert browser.run(f"plymotion.short(null, {numbers})") == texts
+    for low, high, texts in (
+        (-2.25e-7, 0.371, ["0", "0.1", "0.2", "0.3"]),
+        (-1.0, 1.0, ["-1", "-0.5", "0", "0.5", "1"]),
+        (2.1e-7, 3.9e-7, ["2.5e-7", "3e-7", "3.5e-7"]),
+    ):
+        assert browser.run(f"plymotion.short(null, plymotion.ticks({low}, {high}))") == texts
 
 
 def test_tables_sort(browser: Browser) -> None:
@@ -339,7 +345,7 @@ def test_nothing_is_cut_off_on_a_narrow_screen(browser: Browser) -> None:
         assert (
             browser.run(f"Math.max(...{inside}.map((e) => e.getBoundingClientRect().right))") <= 375
         )
-        browser.wait("plymotion.chartWidths().every((width) => width < 375)")
+        browser.wait("plymotion.charts.every((plot) => plot.width < 375)")
     finally:
         browser.size(1280, 900)
 

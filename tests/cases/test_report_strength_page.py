@@ -17,8 +17,10 @@ from plymotion.solver.package import read_package
 from plymotion.solver.package.common.materials import PlyStrength, YieldStrength
 from plymotion.solver.package.section.stress import strengths
 from plymotion.solver.report import make_report
+from plymotion.solver.report.report_page import page
 from plymotion.solver.report.scene import site_exposure
-from plymotion.solver.results import RunResult, read_result, write_result, write_summary
+from plymotion.solver.report.story import Story, comparisons
+from plymotion.solver.results import RunResult, Signal, read_result, write_result, write_summary
 from plymotion.solver.results.run_result import BodyView, Sites, Surface
 from plymotion.solver.strength import criteria_of
 from plymotion.solver.strength.beam_bodies import resultants, unit_stress_M
@@ -123,6 +125,48 @@ def test_button_shows_the_worst_ply_at_its_time(browser: Browser, case_dir: Path
     browser.click("#strength tbody tr:first-child button")
     assert browser.run("plymotion.clock.t") == pytest.approx(entry["time"])
     assert browser.errors() == []
+
+
+def test_a_strength_ratio_has_gaps_and_a_logarithmic_scale(
+    browser: Browser, tmp_path: Path
+) -> None:
+    """Infinite values and a run without stress; the path beside it on a narrow screen."""
+    rod = swinging_rod(k=5)
+    stories = []
+    for run, values in (("soft", [np.inf, 20.0, 2000.0, np.inf, 30.0]), ("rigid", [np.inf] * 5)):
+        ratio = Signal("R", "-", "ratio", np.array(values))
+        result = dataclasses.replace(rod, run=run, signals=(*rod.signals[:2], ratio))
+        inputs = {"signals": {"R": {"kind": "strength_ratio"}}}
+        stories.append(Story(run, run, {"completed": True, "signals": {}}, result, inputs=inputs))
+    runs = ["soft", "rigid"]
+    figures = {
+        "R": {"title": "R", "signal": "R", "runs": runs},
+        "path": {"title": "path", "signal": "tip_y", "against": "tip_x", "runs": runs},
+    }
+    file = tmp_path / "report.html"
+    file.write_text(page("ratio", stories, comparisons({"figures": figures}, stories)))
+    browser.size(390, 800)
+    try:
+        browser.open(file)
+        chart, size = (
+            browser.run(f"(() => {{ {words} }})()")
+            for words in (
+                "const { data, series } = plymotion.charts[0];"
+                "return [...data.slice(1), series.map((each) => each.label)];",
+                "const svg = document.querySelector('svg.orbit');"
+                "return svg.getBoundingClientRect().width / svg.viewBox.baseVal.width;",
+            )
+        )
+        assert browser.errors() == []
+    finally:
+        browser.size(1280, 900)
+    soft, rigid, labels = chart
+    assert soft[0] is None
+    assert soft[3] is None
+    np.testing.assert_allclose([soft[1], soft[2], soft[4]], np.log10([20.0, 2000.0, 30.0]))
+    assert rigid == [None] * 5
+    assert labels[1:] == ["soft", "rigid: no stress"]
+    assert size >= 0.99  # text in the size of the page
 
 
 def stressed(strength: PlyStrength | YieldStrength, stress: np.ndarray) -> RunResult:

@@ -200,6 +200,18 @@ def test_a_wrong_key_or_value_of_an_attribute_says_so_at_once(swing, statement, 
     assert case.table["solver"] == before["solver"]
 
 
+def test_measures_are_of_finite_values():
+    """As in tables and summary.json: a strength ratio is infinite at instants without stress."""
+    values = np.array([np.inf, 4.0, np.nan, 2.0, 3.0])
+    ratio = pm.Signal("R", "-", "", np.arange(5.0), values)
+    assert (ratio.max, ratio.t_of_max, ratio.min, ratio.t_of_min) == (4.0, 1.0, 2.0, 3.0)
+    assert ratio.peak_to_peak == 2.0
+    never = pm.Signal("R", "-", "", np.arange(5.0), np.full(5, np.inf))
+    measures = never.max, never.t_of_max, never.min, never.t_of_min, never.peak_to_peak, never.rms
+    assert np.isnan(measures).all()
+    assert never.final == np.inf
+
+
 def test_arithmetic_of_signals(swing):
     base, moon = pm.run(swing, "base"), pm.run(swing, "moon")
     error = base.signals["tip_z"] - moon.signals["tip_z"]

@@ -7,8 +7,8 @@ import pytest
 from samples.result_samples import swinging_rod
 
 from plymotion.solver.errors import InputError
-from plymotion.solver.report.case_figures import draw_orbit, draw_spectrum
-from plymotion.solver.report.story import Comparison, Story
+from plymotion.solver.report.case_figures import draw_comparison, draw_orbit, draw_spectrum
+from plymotion.solver.report.story import Comparison, Story, comparisons
 from plymotion.solver.report.style import Canvas, house_style
 from plymotion.solver.results import Signal
 
@@ -54,6 +54,55 @@ def test_an_orbit_is_one_signal_against_another(tmp_path, monkeypatch):
     np.testing.assert_allclose(np.hypot(*axes.lines[0].get_data()), 1.0)
     assert axes.get_xlabel() == "across [m]"
     assert axes.get_aspect() == 1.0
+
+
+RATIO: dict[str, object] = {"signals": {"hum": {"kind": "strength_ratio"}}}
+
+
+@pytest.mark.filterwarnings("error::RuntimeWarning")
+@pytest.mark.parametrize("often", [1, 40])
+def test_the_smallest_strength_ratio_is_marked_and_infinite_ones_are_gaps(
+    tmp_path, monkeypatch, often
+):
+    """With curves that cross often each run has its panel; one without stress has none."""
+    drawn = []
+    monkeypatch.setattr(Canvas, "save", lambda canvas, path: drawn.append(canvas) or path)
+
+    def ratio(phase):
+        def values(t):
+            found = 10.0 ** (2.0 + np.cos(2 * np.pi * often * t / t[-1] + phase))
+            found[0] = np.inf
+            return found
+
+        return values
+
+    stories = [
+        _story(values) for values in (ratio(0.0), ratio(1.0), lambda t: np.full(len(t), np.inf))
+    ]
+    stories = [
+        dataclasses.replace(story, name=name, title=name, inputs=RATIO)
+        for name, story in zip(("soft", "stiff", "rigid"), stories, strict=True)
+    ]
+    (wanted,) = comparisons({}, stories)
+    with house_style():
+        draw_comparison(tmp_path / "r.png", wanted, stories)
+        draw_comparison(tmp_path / "n.png", wanted, stories[2:])
+    figure = drawn[0].figure
+    assert len(figure.axes) == (1 if often == 1 else 2)
+    for axes in figure.axes:
+        assert axes.get_yscale() == "log"
+        assert 1.0 < axes.get_ylim()[0] < 10.1
+    circles = [line for axes in figure.axes for line in axes.lines if line.get_marker() == "o"]
+    smallest = [np.min(story.signal("hum").values) for story in stories[:2]]
+    assert [circle.get_ydata()[0] for circle in circles] == smallest
+    if often == 1:
+        words = [text.get_text() for text in figure.legends[0].get_texts()]
+        assert words[0] == "soft, smallest 10 at 1.000 s"
+        assert words[2] == "rigid: no stress"
+    else:
+        assert [axes.get_title("left") for axes in figure.axes] == ["soft", "stiff"]
+        assert figure.get_supxlabel().endswith("rigid: no stress")
+    assert drawn[1].figure.legends[0].get_texts()[0].get_text() == "rigid: no stress"
 
 
 def test_logarithmic_axes_have_numbers(tmp_path):

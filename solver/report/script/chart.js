@@ -17,7 +17,8 @@ function drawChart(place, lines, options) {
   };
   // Decades on a linear axis: the logarithmic axes of uPlot do not end below 1e-16.
   const show = options.log ? (v) => digits(v === null ? v : 10 ** v, 5) : (v) => digits(v, 5);
-  const shown = options.log ? joined.map((values, i) => (i ? Array.from(values, (v) => decade(v, options.least)) : values)) : joined;
+  const known = (v) => (v === undefined || Number.isFinite(v) ? v : null);
+  const shown = joined.map((values, i) => (i ? Array.from(values, (v) => (options.log ? decade(known(v), options.least) : known(v))) : values));
   const settings = {
     width: widthFor(place),
     height: options.height,
@@ -35,7 +36,7 @@ function drawChart(place, lines, options) {
         stroke: () => shade(COLOURS[i % COLOURS.length]),
         width: 1.5,
         dash: i >= COLOURS.length ? [6, 3] : undefined,
-        spanGaps: true,
+        spanGaps: false, // null is a gap; undefined is a time of another run
         points: { show: false },
         value: (_, v) => show(v),
       })),
@@ -53,13 +54,20 @@ function drawChart(place, lines, options) {
   return plot;
 }
 
-const decade = (v, least = -Infinity) =>
-  v === null || v === undefined || v === 0 || Number.isNaN(v) ? null : Math.max(Math.log10(Math.abs(v)), least);
+// A zero leaves no gap: an error may vanish at every other time.
+const decade = (v, least = -Infinity) => (v === null ? v : v ? Math.max(Math.log10(Math.abs(v)), least) : undefined);
 // Numbers along an axis: all with powers of ten where the largest is small or large.
 function short(_, splits) {
   const most = Math.max(...splits.map(Math.abs));
   const text = most < 1e-3 || most >= 1e6 ? (v) => Number(v.toPrecision(6)).toExponential() : (v) => digits(v, 6);
   return splits.map((v) => (v === null ? '' : v === 0 ? '0' : text(v)));
+}
+// Round numbers between two others, about five.
+function ticks(low, high) {
+  const power = 10 ** Math.floor(Math.log10((high - low) / 5));
+  const step = power * [1, 2, 5, 10].find((each) => each * power >= 0.999 * (high - low) / 5);
+  const first = Math.ceil(low / step), count = Math.floor(high / step) - first + 1;
+  return Array.from({ length: count }, (_, k) => (first + k) * step);
 }
 const powers = (_, splits) => splits.map((v) => (v === null ? '' : `1e${v}`));
 

@@ -13,7 +13,7 @@ async function start() {
   // The page opens with the mechanism in motion, unless the reader's system asks for reduced motion.
   if (view.renderer && !matchMedia('(prefers-reduced-motion: reduce)').matches) clock.toggle();
   // For tests of the page, and for those who want the numbers behind the picture.
-  globalThis.plymotion = { page, array, clock, view, bodyState, pointsAt, jointLines, siteValues, vectorsAt, cameraMatrix, projected, spectrum, short, drawView, shownNow, chartWidths: () => charts.map((plot) => plot.width) };
+  globalThis.plymotion = { page, array, clock, view, bodyState, pointsAt, jointLines, siteValues, vectorsAt, cameraMatrix, projected, spectrum, short, ticks, drawView, shownNow, charts };
   document.documentElement.dataset.readyMs = String(Math.round(performance.now()));
   document.documentElement.dataset.ready = 'yes';
 }

@@ -35,7 +35,7 @@ function toggleSpectrum(press, plot, below, lines, yLabel) {
     return;
   }
   const { min, max } = plot.scales.x;
-  const found = lines.map((line) => ({ label: line.label, ...spectrum(line.x, line.y, min, max) })).filter((line) => line.frequency.length);
+  const found = lines.map((line) => ({ label: line.label, ...spectrum(line.x, line.y, min, max) })).filter((line) => line.frequency.length && line.amplitude.every(Number.isFinite));
   if (!found.length) return;
   const shown = found.map((line) => ({ label: line.label, x: line.frequency, y: line.amplitude }));
   below.plot = drawChart(below, shown, { height: 220, xLabel: 'frequency [Hz]', yLabel: `amplitude of ${yLabel}`, log: true });
@@ -65,7 +65,10 @@ function setUpPlots() {
     if (figure.against) { addOrbit(place, figure); return; }
     const runs = figure.runs.map(runOf);
     const series = runs.map((run) => run.signals.find((signal) => signal.name === figure.signal));
-    addPlot(place, figure.title, runs.map((run, i) => lineOf(run, series[i], run.title)), unitOf(series[0]));
+    const lines = runs.map((run, i) => lineOf(run, series[i], run.title));
+    for (const line of lines) if (!line.y.some(Number.isFinite)) line.label += figure.ratio ? ': no stress' : ': no finite values';
+    const { low, high } = range(lines.map((line) => line.y));
+    addPlot(place, figure.title, lines, unitOf(series[0]), { log: figure.ratio && high > 10 * low });
   };
   page.figures.filter((figure) => !figure.more).forEach((figure) => draw(list, figure));
   const others = page.figures.filter((figure) => figure.more);
