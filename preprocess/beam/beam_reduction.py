@@ -162,7 +162,6 @@ def unit_loads(condition: Condition, line: BeamLine, forces: Array) -> Array:
     t = np.gradient(line.nodes_B, line.along, axis=0)
     t /= np.linalg.norm(t, axis=1, keepdims=True)
     slope = np.einsum("nak,nb->nkab", np.cross(t[:, None], np.eye(3)), t)
-    curl = np.moveaxis(np.cross(np.eye(3), np.eye(3)[:, None]), 2, 0)
-    twist = 0.5 * np.einsum("nk,nl,lab->nkab", t, t, curl)
-    fields.reshape(-1, 6, 3, 4)[:, 3:, :, :3] = slope + twist
+    turns = fields.reshape(-1, 6, 3, 4)[:, 3:, :, :3]
+    turns[:] = slope + np.einsum("nk,nl,nlab->nkab", t, t, turns)
     return np.hstack([forces, condition.M @ fields])

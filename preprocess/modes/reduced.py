@@ -69,10 +69,13 @@ def accelerations(places_B: Array, direction: IntArray) -> Array:
     """Fields A [x; 1] of a rigid body that accelerates and spins, on dofs, (n_dof, 12).
 
     By rows of A (3, 4). `places_B` (n_dof, 3) and `direction` (n_dof,) are those of the dofs;
-    rotations are zero.
+    rotations are half of the curl, those of a spin, as in the motions that `checks.statics` takes
+    from the invariants.
     """
     moves = direction < 3
     fields = np.zeros((len(direction), 3, 4))
+    curl = np.moveaxis(np.cross(np.eye(3), np.eye(3)[:, None]), 2, 0)
+    fields[~moves, :, :3] = 0.5 * curl[direction[~moves] - 3]
     fields[moves, direction[moves]] = np.column_stack([places_B, np.ones(len(moves))])[moves]
     return fields.reshape(-1, 12)
 

@@ -231,17 +231,19 @@ def missed_by_modes(
             p = _loads(built, i, package, states)
             p = 0.5 * (p[:2] - p[2:])
             mean = 0.5 * p.T @ p / energy
-            share = 0.5 * float(np.sum(G * mean))
+            share = 0.5 * float(np.sum(G * mean))  # of the energy with the modes
             if share > FEW_MODES.limit:
                 sums, shares[number] = sums + mean, share
         if shares:
             worst = max(shares, key=lambda number: shares[number])
+            part = shares[worst] / (1.0 + shares[worst])
             whole = 0.5 * float(np.sum(G * sums))
             missing = _Missing(whole, 0.0, p[0], sums, G, package.compliance)
             yield (
-                f"modes {few([str(number) for number in shares])}: frequencies too high (mode "
-                f"{worst} by about {math.sqrt(1.0 + shares[worst]) - 1.0:.0%}): the modes of "
-                f"{name} miss {shares[worst]:.0%} of the strain energy of this mode. Take "
+                f"{'modes' if len(shares) > 1 else 'mode'} {few([str(k) for k in shares])}: "
+                f"frequencies too high (mode {worst} by about "
+                f"{math.sqrt(1.0 + shares[worst]) - 1.0:.0%}): the modes of {name} miss "
+                f"{part:.0%} of the strain energy of this mode. Take "
                 f"{', '.join(missing.advice(package))}"
             )
 
