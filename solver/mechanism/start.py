@@ -23,6 +23,7 @@ from ..dynamics.evaluation.series import balance
 from ..dynamics.model.coordinates import Spin, moved
 from ..dynamics.model.model import Model, modal_matrix
 from ..errors import InputError, few
+from ..inputs.common.units import LENGTHS
 from ..math.arrays import Array
 from ..math.rotations import matrix_to_vector, rotation_matrix
 from ..results.codes import START_MOVED, Finding
@@ -340,7 +341,9 @@ def _at_given_coordinates(built: BuiltMechanism) -> Model:
     return with_laws(model, 0.0, values)
 
 
-def moved_findings(mechanism: "Mechanism", built: BuiltMechanism, y0: Array) -> list[Finding]:
+def moved_findings(
+    mechanism: "Mechanism", built: BuiltMechanism, y0: Array, units: str = "m"
+) -> list[Finding]:
     """Return one finding of all bodies that do not start, in y0 (n,), where the case says.
 
     Left out is what is asked for: what drives prescribe at t = 0, where a search for equilibrium
@@ -351,6 +354,7 @@ def moved_findings(mechanism: "Mechanism", built: BuiltMechanism, y0: Array) -> 
     mechanism : tables of the case, checked
     built : the built mechanism
     y0 : state at the start (n,)
+    units : of lengths in the text
     """
     bodies, model, start, body_names = mechanism.bodies, built.model, built.start, built.body_names
     deformed = any(getattr(body, "modal_coordinates", None) for body in bodies.values())
@@ -361,19 +365,21 @@ def moved_findings(mechanism: "Mechanism", built: BuiltMechanism, y0: Array) -> 
     still = _at_given_coordinates(built)
     given = np.concatenate([start.positions, np.zeros(model.n_vel), model.quantities.start, [0.0]])
     y = with_closed_joints(still, given)
-    closes, moved = frames_close(still, y), []
+    closes, moved, per_metre = frames_close(still, y), [], 1.0 / LENGTHS[units]
     for share, i, distance, angle in _moved(model, given, y, body_names):
         name, place = body_names[i], y[int(model.pos_start[i]) :][:7]
-        keys = _keys(place) if closes and not getattr(bodies.get(name), "part_of", None) else ""
-        by = f"{round(distance, 12):.3g} m and {round(np.degrees(angle), 9):.3g} deg"
-        moved.append((share, f"{name} by {by}{keys}"))
+        own = closes and not getattr(bodies.get(name), "part_of", None)
+        keys = _keys(per_metre * place[:3], place[3:]) if own else ""
+        by = f"{round(distance, 12) * per_metre:.3g} {units}"
+        turn = f"{round(np.degrees(angle), 9):.3g} deg"
+        moved.append((share, f"{name} by {by} and {turn}{keys}"))
     if not moved:
         return []
     places = few((place_text for _, place_text in sorted(moved, reverse=True)), "; ")
     text = (
         f"to close the joints at the start, bodies were moved from their given places: {places}. "
-        "If this is the start that is meant, give these values [m, deg]; if not, check lengths, "
-        "ground points, axes and positions"
+        f"If this is the start that is meant, give these values [{units}, deg]; if not, check "
+        "lengths, ground points, axes and positions"
     )
     return [START_MOVED.finding(text, t=0.0, value=max(moved)[0])]
 
@@ -394,10 +400,10 @@ def _moved(
     return moved
 
 
-def _keys(place: Array) -> str:
-    """Return the keys that give a body this place (7,), in brackets."""
-    turn = np.degrees(matrix_to_vector(rotation_matrix(place[3:])))
-    position, rotation = (
-        ", ".join(f"{x:.9g}" for x in np.round(part, 9) + 0.0) for part in (place[:3], turn)
+def _keys(position: Array, quaternion: Array) -> str:
+    """Return the keys that give a body this place, in brackets."""
+    turn = np.degrees(matrix_to_vector(rotation_matrix(quaternion)))
+    place, rotation = (
+        ", ".join(f"{x:.9g}" for x in np.round(part, 9) + 0.0) for part in (position, turn)
     )
-    return f" (position = [{position}], rotation_deg = [{rotation}])"
+    return f" (position = [{place}], rotation_deg = [{rotation}])"

@@ -81,7 +81,8 @@ def read_run(file: Path, *, allow_doubtful: bool = False) -> RunSpec:
         name: RunSpec(case, name, other, packages(name, of_others[name]))
         for name, (other, _) in others.items()
     }
-    return RunSpec(case, run, mechanism, packages(run, entries), known)
+    units = str(table.get("units", "m"))
+    return RunSpec(case, run, mechanism, packages(run, entries), known, units)
 
 
 def _entries(table: Any, mechanism: "Mechanism") -> list[tuple[str, str, str | None]]:
@@ -255,6 +256,7 @@ def _solved(
             spec.mechanism.solver,
             allow_python=allow_python,
         ),
+        units=spec.units,
     )
     clock.lap("build")
     follow = Progress(prepared.watch, spec.mechanism.solver.t_end, spec.run, progress)

@@ -24,6 +24,7 @@ class RunSpec:
     Attributes
     ----------
     other_runs : those that its combined signals read, by name
+    units : of lengths in the case file, for messages with values to give there
     """
 
     case: str
@@ -31,6 +32,7 @@ class RunSpec:
     mechanism: "Mechanism"
     packages: dict[str, ModalPackage]
     other_runs: dict[str, "RunSpec"] = field(default_factory=dict)
+    units: str = "m"
 
     @property
     def fidelity(self) -> "Fidelity":

@@ -129,6 +129,7 @@ def prepare(
     allow_python: bool = False,
     adjust: Callable[[Model], None] | None = None,
     histories: Histories | None = None,
+    units: str = "m",
 ) -> Prepared:
     """Build a checked mechanism (inputs/case/tables/schema.py), close its joints, look at it.
 
@@ -144,6 +145,7 @@ def prepare(
     allow_python : functions of the user may run
     adjust : function that writes into the arrays of the model before its joints are closed
     histories : signals of other runs
+    units : of lengths in the case file, for messages with values to give there
 
     Raises
     ------
@@ -163,7 +165,7 @@ def prepare(
     y0 = starting_state(built.model, built.start, solver.start, *names, spin, built.light)
     if not np.isfinite(y0).all():
         raise FloatingPointError("the starting state is not finite")
-    moved = moved_findings(mechanism, built, y0)
+    moved = moved_findings(mechanism, built, y0, units)
     redundant = redundancy(built.model, y0, built.joint_names, t_end=solver.t_end)
     built = replace(
         built, model=treated(built.model, treatment)._replace(redundant=redundant.count)

@@ -64,6 +64,21 @@ def test_a_body_off_its_plane_is_moved_and_not_turned(tmp_path):
     assert "disc by 0.034 m and 0 deg (position = [0.5, 0, 0]," in found["message"]
 
 
+def test_the_places_to_give_are_in_the_unit_of_the_file(tmp_path):
+    ground = '[ground.o]\nposition = [20.0, 0.0, 0.0]\n[joints.pin]\nkind = "revolute"\n'
+    ground, place, codes = ground + 'between = ["ground.o", "bob.pin"]\n', [70.0, 0.0, 3.0], []
+    for _ in range(2):
+        text = rigid("bob", 1.0, 0.1, {"pin": (-50, 0, 0)}, position=place) + ground
+        _, _, summary = run_text(tmp_path, 'units = "mm"\n' + text, t_end=0.01, step=0.01)
+        codes.append({w["code"]: w["message"] for w in summary["warnings"]}.get("start-moved"))
+        if codes[0] is not None:
+            place = places_to_give(codes[0])["bob"][0]
+    assert "bob by 3 mm and" in codes[0]
+    assert "give these values [mm, deg]" in codes[0]
+    np.testing.assert_allclose(place, [70.0, 0.0, 0.0], atol=1e-3)
+    assert codes[1] is None
+
+
 def test_a_body_that_is_turned_by_a_right_angle(tmp_path):
     off = {"rocker": ([1.0, 0.5, 0.0], [0.0, 0.0, 180.0])}
     found = judged(tmp_path, four_bar(**off), t_end=0.01).finding("start-moved")

@@ -172,6 +172,7 @@ def write_case(case: Case, out: Path, packages: Path | None = None) -> None:
             "case": case.name,
             "run": run,
             "title": case.top.runs[run].title or run,
+            "units": case.top.units,
             "packages": table,
             **({"check_packages": of_check} if of_check else {}),
             **({"other_runs": others} if others else {}),

@@ -4,9 +4,10 @@ Lengths are the keys whose unit in the tables is m. All other keys keep their SI
 """
 
 from collections.abc import Iterable, Mapping
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
-from pydantic import ValidationInfo
+if TYPE_CHECKING:
+    from pydantic import ValidationInfo
 
 LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "in": 0.0254}
 Unit = Literal["m", "cm", "mm", "in"]
@@ -14,7 +15,7 @@ UNITS = "units"  # key of a file, and of the context of its validators
 MEANING = "of all lengths in this file, the keys with the unit m; others keep theirs (docs/runs.md)"
 
 
-def unit_of(info: ValidationInfo) -> str:
+def unit_of(info: "ValidationInfo") -> str:
     """Return the unit of lengths in the file that is being read."""
     return str((info.context or {}).get(UNITS, "m"))
 
