@@ -6,11 +6,12 @@ import numpy as np
 
 from ...solver.errors import coded
 from ...solver.math.arrays import Array
-from .stiffness import Lamina, Laminate, laminate_stiffness, shear_factors
+from .stiffness import Lamina, Laminate, ShearCorrection, laminate_stiffness, shear_factors
 
 SAME = 1e-9  # tolerance of thicknesses (relative) and of angles [deg]
 COUPLED = 1e-6  # size of B or of A16, A26 above which coupling is reported [-]
 SOFT = 0.3  # factor of the transverse shear below which the core carries the shear [-]
+STIFF = 1.1  # given factors over those of the lay-up, above which they are too stiff
 
 
 @dataclass(frozen=True)
@@ -34,8 +35,17 @@ class LaminateReport:
     findings: tuple[dict[str, str], ...]  # {"code", "message"}
 
 
-def report(laminate: Laminate, name: str = "laminate") -> LaminateReport:
-    """Return the report on a lay-up; `name` is for messages."""
+def report(
+    laminate: Laminate, name: str = "laminate", shear: ShearCorrection = "energy-1d"
+) -> LaminateReport:
+    """Return the report on a lay-up.
+
+    Parameters
+    ----------
+    laminate : plies, bottom to top
+    name : of the laminate, for messages
+    shear : shear correction that is judged
+    """
     flat = laminate_stiffness(replace(laminate, offset=0.0))
     A, B, D, h = flat.A, flat.B, flat.D, flat.thickness
     coupling = float(np.max(np.abs(B) / np.sqrt(np.outer(np.diag(A), np.diag(D)))))
@@ -56,11 +66,14 @@ def report(laminate: Laminate, name: str = "laminate") -> LaminateReport:
             f"{name}: not balanced, extension causes shear "
             f"(A16, A26 are {extension:.2g} of sqrt(A11 A66))",
         )
-    if factors.min() < SOFT:
+    used = shear_factors(laminate, shear)
+    of_energy = isinstance(shear, str) and shear.startswith("energy")
+    if not of_energy and ((factors < SOFT) & (used > STIFF * factors)).any():
         findings += coded(
             "laminate-soft-core",
-            f"{name}: shear correction {factors.min():.2g}: a soft core carries "
-            'the shear; use "energy-1d" or "energy-2x2"; "5/6" would be too stiff',
+            f"{name}: shear factors {used[0]:.3g}, {used[1]:.3g} are too stiff: a soft core "
+            f'carries the shear, and "energy-1d" gives {factors[0]:.2g}, {factors[1]:.2g}; take '
+            'it or "energy-2x2"',
         )
     return LaminateReport(
         symmetric,

@@ -181,9 +181,20 @@ def test_report_gives_the_constants_of_the_ply() -> None:
 
 
 @pytest.mark.provokes("laminate-soft-core")
-def test_report_names_a_soft_core() -> None:
-    codes = {finding["code"] for finding in report(hybrid()).findings}
-    assert "laminate-soft-core" in codes
+@pytest.mark.parametrize(
+    ("shear", "warns"),
+    [
+        ("5/6", True),
+        ([0.5, 0.5], True),
+        ([0.01, 0.01], False),
+        ("energy-1d", False),
+        ("energy-2x2", False),
+    ],
+    ids=str,
+)
+def test_report_names_factors_that_are_too_stiff_for_a_soft_core(shear: Any, warns: bool) -> None:
+    codes = {finding["code"] for finding in report(hybrid(), shear=shear).findings}
+    assert ("laminate-soft-core" in codes) == warns
 
 
 MATERIALS = {"cfrp": CFRP, "foam": FOAM}

@@ -126,7 +126,8 @@ def _laminates(problem: ShellProblem) -> tuple[list[ShellLaminate], Warnings]:
             continue
         laminate, stiffness = region.laminate.laminate, region.stiffness
         with computed(f"{problem.where}.laminates.{name}"):
-            known, operators = report(laminate, name), stress_operators(laminate)
+            known = report(laminate, name, region.laminate.shear)
+            operators = stress_operators(laminate)
         warnings += known.findings
         table = dataclasses.asdict(known)
         del table["findings"]

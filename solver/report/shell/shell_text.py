@@ -111,6 +111,10 @@ def _character(report: dict[str, object]) -> list[str]:
         if isinstance(of, dict):
             moduli = ", ".join(f"{name} {of[name] / 1e9:.4g} GPa" for name in ("Ex", "Ey", "Gxy"))
             lines.append(f"{label:16}{moduli}, nuxy {of['nuxy']:.4g}")
+    factors = report.get("shear_factors")
+    if isinstance(factors, list | tuple):
+        both = ", ".join(f"{factor:.3g}" for factor in factors)
+        lines.append(f'{"Shear factors":16}{both} of "energy-1d" (5/6: homogeneous)')
     return lines
 
 
