@@ -112,14 +112,22 @@ def test_what_limits_cannot_do(tmp_path: Path, capsys: pytest.CaptureFixture[str
     [
         ("", "no stops: it has no <limit>; expected one for type revolute, or type continuous"),
         ('<limit lower="0.5" upper="1" effort="9" velocity="1"/>', "stands at 0, outside its lim"),
+        ('<limit lower="-1" upper="1" velocity="1"/>', "no stops: its <limit> has no effort above 0"),
+        ('<limit lower="-1" upper="1" effort="9"/>', "its <limit> has no velocity"),
     ],
 )
 def test_limits_are_told_where_drives_hold_the_joints(
     tmp_path: Path, limit: str, note: str
 ) -> None:
-    """Of a joint that URDF demands limits of, and of one that they keep from where it stands."""
+    """Of a joint that URDF demands limits of, and of one that they keep from where it stands.
+
+    The wrist has no axis: the default is told.
+    """
     (tmp_path / "arm.urdf").write_text(re.sub("<limit [^>]*60[^>]*/>", limit, ARM))
-    (found,) = robot_case(read_urdf(tmp_path / "arm.urdf")).notes
+    notes = robot_case(read_urdf(tmp_path / "arm.urdf")).notes
+    (axis,) = [each for each in notes if "wrist" in each]
+    assert axis.startswith("arm.urdf:54: <joint wrist>: no <axis xyz>: ")
+    (found,) = [each for each in notes if each != axis]
     assert found.startswith(f"arm.urdf:42: <joint shoulder>: {note}")
 
 

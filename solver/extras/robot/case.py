@@ -460,14 +460,12 @@ class _Writer:
                 "setpoint": "0",
                 "derivative": joint.damping,
             }
-        if joint.lower is None or joint.upper is None:
+        if joint.lower is None or joint.upper is None or not joint.effort > 0.0:
             return
         first, limits = start(self._robot, joint), f"{joint.lower:g} to {joint.upper:g}"
         room = _mimicked(self._robot, joint)
         if joint.lower == joint.upper:
             self._note(joint, f"no stops: its <limit> is {limits}")
-        elif not joint.effort > 0.0:
-            self._note(joint, "no stops: its <limit> has no effort above 0")
         elif room and max(room[0], joint.lower) >= min(room[1], joint.upper):
             text = f"its limits {limits} leave no room to the joint that it mimics"
             self._note(joint, f"no stops: {text}")

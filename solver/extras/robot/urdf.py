@@ -34,6 +34,9 @@ class Type(StrEnum):
     FIXED = auto()
 
 
+WITHOUT_AXIS = (Type.FIXED, Type.FLOATING)
+
+
 class Dynamics(StrEnum):
     """Attributes of the element of this name."""
 
@@ -186,7 +189,7 @@ class Robot:
     links: dict[str, Link]
     joints: dict[str, UrdfJoint]
     reductions: dict[str, float]  # of joints with a transmission, which may not be there
-    notes: list[str]  # transmissions that are left out, limits that are missing
+    notes: list[str]  # what is left out, missing or taken by default
 
 
 def read_urdf(file: Path) -> Robot:
@@ -306,6 +309,10 @@ class _Reader:
 
     def _say(self, line: int, text: str) -> None:
         self._found.append(f"{self._file}:{line}: {text}")
+
+    def _note(self, joint: Element, text: str) -> None:
+        name = joint.attributes["name"]
+        self._notes.append(f"{self._file.name}:{joint.line}: <joint {name}>: {text}")
 
     def _of(self, element: Element, text: str) -> None:
         name = element.attributes.get("name")
@@ -428,8 +435,10 @@ class _Reader:
         given, axis = element.one("axis"), np.array([1.0, 0.0, 0.0])
         if given is not None:
             axis = self._numbers(where, given, "xyz", 3, (1.0, 0.0, 0.0))
+        if (given is None or "xyz" not in given.attributes) and kind not in WITHOUT_AXIS:
+            self._note(element, "no <axis xyz>: it turns about or moves along x, URDF's default")
         length = math.hypot(*axis)
-        if length == 0.0 and kind not in (Type.FIXED, Type.FLOATING):
+        if length == 0.0 and kind not in WITHOUT_AXIS:
             line = given.line if given is not None else element.line
             self._say(line, f"{where}, <axis xyz>: expected a vector of non-zero length")
         limit, dynamics = element.one("limit"), element.one("dynamics")
@@ -440,12 +449,14 @@ class _Reader:
             if lower > upper:
                 text = f"lower = {lower:g}; expected at most upper = {upper:g}"
                 self._say(limit.line, f"{where}, <limit>: {text}")
+            if not self._number(where, limit, "effort", 0.0) > 0.0:
+                self._note(element, "no stops: its <limit> has no effort above 0")
+            if "velocity" not in limit.attributes:
+                self._note(element, "its <limit> has no velocity, which URDF demands; none is used")
         elif kind in (Type.REVOLUTE, Type.PRISMATIC):
             more = ", or type continuous" if kind == Type.REVOLUTE else ""
-            self._notes.append(
-                f"{self._file.name}:{element.line}: <joint {name}>: no stops: it has no <limit>; "
-                f"expected one for type {kind}{more}"
-            )
+            text = f"no stops: it has no <limit>; expected one for type {kind}{more}"
+            self._note(element, text)
         mimic = element.one("mimic")
         values = [self._number(where, dynamics, key, 0.0) for key in Dynamics]
         if min(values) < 0.0:
