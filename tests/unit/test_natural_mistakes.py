@@ -17,6 +17,15 @@ STARTERS = Path(__file__).parents[2] / "solver/commands/starters"
 PUSH = '\n[forces.push]\nkind = "force"\nat = "arm.tip"\n'
 STRENGTH = '\n[signals.least]\nkind = "strength_ratio"\nbody = "{}"\n'
 SWEEP = '\n[sweeps.a]\nrun = "base"\n[sweeps.a.vary]\n'
+STIFF = """
+[variants.stiff.bodies.arm]
+kind = "rigid"
+mass = 1
+inertia = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]
+interfaces = { root = { position = [0, 0, 0] }, tip = { position = [0.5, 0, 0] } }
+[runs.stiff]
+variants = ["stiff"]
+"""
 MISTAKES = [
     ("robot-arm", 'quantity = "moment"', 'quantity = "torque"', "did you mean 'moment'?"),
     (
@@ -76,6 +85,14 @@ MISTAKES = [
         STRENGTH.format("arm") + "[runs.base]",
         'least.body = "arm": no material of it has strengths; expected a table `strength` in [mat',
     ),
+    (
+        "arm",
+        "[runs.base]",
+        f"{STIFF}{STRENGTH.format('arm')}[runs.base]",
+        "this one is rigid (run stiff, variant stiff; a signal of a body that a variant replaces: "
+        "[variants.NAME.signals])",
+    ),
+    ("arm", "[runs.base]", "[run.base]", "run: unknown key; did you mean 'runs'?"),
     ("panel", "[runs.base]", STRENGTH.format("panel") + "[runs.base]", "`strength` in [materials."),
     (
         "panel",

@@ -101,7 +101,7 @@ BAD = {
     "code": (ANGLE, f'{FIRST} = "angle.real"', "is not allowed"),
     "call": (ANGLE, f'{FIRST} = "__import__(angle)"', "no function `__import__`"),
     "time": (ANGLE, f'{FIRST} = "angle + t"', "no parameter `t`"),
-    "no parameter": (ANGLE, f'{FIRST} = "3 * plus"', "expected a parameter of `vary`"),
+    "no parameter": (ANGLE, f'{FIRST} = "3 * plus"', "parameter of `vary`.* belongs in the case"),
     "not finite": (ANGLE, f'{FIRST} = "1 / angle"', "is not finite"),
     "a root": (ANGLE, f'{FIRST} = "sqrt(-angle)"', "finite value"),
     "twice": (f"{FIRST} = [0]\n{ANGLE}", f'{FIRST} = "angle"', "varied twice, by set and"),

@@ -112,7 +112,7 @@ def test_what_limits_cannot_do(tmp_path: Path, capsys: pytest.CaptureFixture[str
     [
         ("", "no stops: it has no <limit>; expected one for type revolute, or type continuous"),
         ('<limit lower="0.5" upper="1" effort="9" velocity="1"/>', "stands at 0, outside its lim"),
-        ('<limit lower="-1" upper="1" velocity="1"/>', "no stops: its <limit> has no effort above 0"),
+        ('<limit lower="-1" upper="1" velocity="1"/>', "no stops: its <limit> has no effort"),
         ('<limit lower="-1" upper="1" effort="9"/>', "its <limit> has no velocity"),
     ],
 )

@@ -34,6 +34,7 @@ from .expressions import (
     of_time_alone,
     state_rates,
 )
+from .messages import RIGID
 from .record import KINDS, elsewhere, parts
 from .tables.beam_keys import BeamBody
 from .tables.bodies import ImportedBody, PackageBody, RigidBody, ShellBody, SolidBody
@@ -484,7 +485,7 @@ def _signal(
         return wrong
     body = mechanism.bodies[signal.body]
     if isinstance(body, RigidBody):
-        return [f'{key}.body = "{signal.body}": expected a flexible body, this one is rigid']
+        return [f'{key}.body = "{signal.body}": {RIGID}']
     if isinstance(signal, StrengthSignal):
         errors = _of_strength(key, signal, body)
         if errors:

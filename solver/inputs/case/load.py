@@ -9,7 +9,7 @@ from typing import Any, get_args
 
 from pydantic import ValidationError
 
-from ...errors import InputError, printable, refuse, unknown
+from ...errors import InputError, did_you_mean, printable, refuse, unknown
 from ..common.input_table import bare_lines, meant, members, validated, without_annotations
 from ..common.text_file import Tables, read_toml
 from ..section.description import shape
@@ -137,12 +137,12 @@ def checked_case(
     apart = {k: v for k, v in over.items() if k in _APART} if isinstance(over, dict) else {}
     if coarse and all(isinstance(value, dict) for value in apart.values()):
         merge(table, apart)
-    top = validated(CaseFile, {k: v for k, v in table.items() if k in top_keys}, file)
     base = {k: v for k, v in table.items() if k not in top_keys}
-    for key in base:
-        if key not in Mechanism.model_fields:
+    for key in (k for k in base if k not in Mechanism.model_fields):
+        if "runs" in table or did_you_mean(key, top_keys):  # else a file of another kind
             known = [*CaseFile.model_fields, *Mechanism.model_fields]
             raise InputError(f"{file}: {printable(key)}: unknown key{meant(key, known)}")
+    top = validated(CaseFile, {k: v for k, v in table.items() if k in top_keys}, file)
     findings = Findings(file, {name: run.variants for name, run in top.runs.items()})
     quick = {k: v for k, v in top.coarse.items() if k not in _APART} if coarse else {}
 

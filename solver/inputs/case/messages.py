@@ -11,6 +11,7 @@ import numpy as np
 from ...errors import InputError, few
 
 EXTREME = 1e75  # its fourth power is the end of the floating point range
+RIGID = "expected a flexible body, this one is rigid"
 ERRORS = (ArithmeticError, np.linalg.LinAlgError)  # to which such numbers may lead
 
 
@@ -80,9 +81,9 @@ class Findings:
 
     def lines(self) -> list[str]:
         """Return one line for each; of some runs only, with the first of them."""
-        return [line + self._where(runs) for line, runs in self._found.items()]
+        return [line + self._where(line, runs) for line, runs in self._found.items()]
 
-    def _where(self, runs: Sequence[str]) -> str:
+    def _where(self, line: str, runs: Sequence[str]) -> str:
         if not runs or len(set(runs)) == len(self.runs):
             return ""
         first = runs[0]
@@ -91,4 +92,6 @@ class Findings:
             text += f", variant{'s' * (len(variants) > 1)} {', '.join(variants)}"
         if rest := [run for run in dict.fromkeys(runs) if run != first]:
             text += f"; also {few(rest)}"
+        if line.endswith(RIGID):  # it is flexible in a run without this message
+            text += "; a signal of a body that a variant replaces: [variants.NAME.signals]"
         return f" ({text})"

@@ -154,7 +154,10 @@ def _reads(key: str, text: str, sweep: Sweep, parameters: Mapping[str, float]) -
     names = {str(leaf.quantity) for leaf in leaves}
     if not names:
         hint = nearest(text, sweep.vary)
-        raise Misplaced(f'set."{key}" = "{text}": expected a parameter of `vary`{hint}')
+        raise Misplaced(
+            f'set."{key}" = "{text}": expected a parameter of `vary`{hint}; a number that no '
+            f'member changes belongs in the case, or in `vary` with one value, "{key}" = [...]'
+        )
     return names
 
 
