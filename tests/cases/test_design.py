@@ -2,6 +2,7 @@
 
 import copy
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -41,6 +42,13 @@ def test_spring_of_the_shortest_way_within_a_force(driver: str) -> None:
     assert way == pytest.approx(V0 * np.sqrt(M / BEST), rel=1e-3)
     assert force == pytest.approx(-F_MAX / M, rel=1e-3)
     assert found.data["optimum"]["violation"] < 1e-4
+    page = (found.folder / "design.html").read_text("utf-8")
+    assert "<title>Ball on a spring: stop</title>" in page
+    assert ">k [N/m]<" in page
+    strong = re.findall("<polyline (.*?)/>", page)[1::2]
+    for start, line in zip(found.data["starts"], strong, strict=True):
+        valid = sum(point["violation"] <= 1e-3 for point in start["history"])
+        assert line.count(",") == valid + 1  # the last one twice
 
 
 def test_front_of_way_and_force(monkeypatch: pytest.MonkeyPatch) -> None:

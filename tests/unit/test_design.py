@@ -56,6 +56,7 @@ def _stiffness(a: float) -> Array:
 )
 def test_weights_are_derivatives_of_the_values(keys: dict[str, Any], raw: Any) -> None:
     measure, h = _measure(**keys), 1e-5
+    assert measure.quantity.words().endswith(" 1.23 s") == ("time" in keys)
     _, weights = measure.reduce(raw(0.2), T)
     rate = (raw(0.2 + h) - raw(0.2 - h)) / (2.0 * h)
     slope = np.tensordot(weights, rate, axes=rate.ndim)

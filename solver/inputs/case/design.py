@@ -52,6 +52,13 @@ class CheckedStudy:
     _specs: BodySpecs
     _merged_of: MergedOf
 
+    def unit(self, name: str) -> str:
+        """Return the unit of a parameter, "" for none, or of one that a factor scales."""
+        parameter, target = self.parameters[name], self.targets[name][0]
+        if parameter.kind in UNITS or parameter.names or abs(target.factor) != 1.0:
+            return UNITS.get(parameter.kind, "")
+        return unit_at(self.base, target.key, self._specs.folder, self._specs.units)
+
     def designs(self, points: Sequence[Array]) -> CheckedSweep:
         """Return designs (p,) as members of a sweep, all with the same names.
 

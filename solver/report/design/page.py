@@ -35,7 +35,7 @@ def design_sections(case_dir: Path) -> list[str]:
 
 def write_page(folder: Path, study: Mapping[str, Any]) -> Path:
     """Write the page of a study into its folder; return its path."""
-    title = f"{study['case']}: {study['title']}"
+    title = f"{study['case_title']}: {study['title']}"
     body = f"<header><h1>{escape(title)}</h1></header><main>{study_section(study)}</main>"
     write_text(folder / PAGE, document(title, body))
     return folder / PAGE
@@ -68,7 +68,7 @@ def study_section(study: Mapping[str, Any]) -> str:
     head = ["quantity", "start", "best", "verified, richer model", "limit"]
     own = [
         [
-            escape(name),
+            escape(name) + f" [{q['unit']}]" * bool(q.get("unit")),
             escape(q["names"][round(p)]) if q.get("names") else number(p, 5),
             escape(value) if q.get("names") else number(value, 5),
             escape(", ".join(q["targets"])),
@@ -190,9 +190,9 @@ def _arrows(study: Mapping[str, Any]) -> str:
 
 
 def _history(study: Mapping[str, Any]) -> str:
-    """Return the objective over the iterations of all starts."""
-    lines = [[p["shown"][0] for p in start["history"]] for start in study["starts"]]
-    values = [v for line in lines for v in line]
+    """Return the objective over the iterations of all starts, faint where a limit is not met."""
+    lines = [start["history"] for start in study["starts"]]
+    values = [p["shown"][0] for line in lines for p in line]
     if len(values) < 2:
         return ""
     low, high, longest = min(values), max(values), max(map(len, lines))
@@ -203,13 +203,18 @@ def _history(study: Mapping[str, Any]) -> str:
         _text(WIDE - 10, HIGH + 28, f"iteration {steps}", "end"),
     ]
     for k, line in enumerate(lines):
-        points = " ".join(
-            f"{70 + (WIDE - 80) * i / steps:.1f},{10 + HIGH * (high - v) / size:.1f}"
-            for i, v in enumerate(line)
-        )
-        colour = COLOURS[k % len(COLOURS)]
-        parts.append(f"<polyline points='{points}' fill='none' stroke='{colour}'/>")
-    return f"<h3>History of all starts</h3>{_picture(WIDE, HIGH + 36, 'History', parts)}"
+        points = [
+            f"{70 + (WIDE - 80) * i / steps:.1f},{10 + HIGH * (high - p['shown'][0]) / size:.1f}"
+            for i, p in enumerate(line)
+        ]
+        valid = [at for at, p in zip(points, line, strict=True) if p["violation"] <= ACTIVE]
+        of = f"fill='none' stroke-linecap='round' stroke='{COLOURS[k % len(COLOURS)]}'"
+        parts.append(f"<polyline points='{' '.join(points)}' {of} stroke-opacity='0.3'/>")
+        if valid:  # the last one twice: a single one is a dot
+            ends = " ".join([*valid, valid[-1]])
+            parts.append(f"<polyline points='{ends}' {of} stroke-width='2'/>")
+    note = "<p class='note'>Strong lines: designs within all limits. Faint: all designs.</p>"
+    return f"<h3>History of all starts</h3>{note}{_picture(WIDE, HIGH + 36, 'History', parts)}"
 
 
 def _front(study: Mapping[str, Any]) -> str:

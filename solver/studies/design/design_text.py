@@ -38,9 +38,10 @@ def outcome_lines(study: Mapping[str, Any], folder: Path) -> list[str]:
         rows.append([f"{sense}{measure['words']}{unit}", *texts, ", ".join(limit)])
     rows.append([""] * 5)
     for k, (name, value) in enumerate(best["values"].items()):
-        names, first = study["parameters"][name]["names"], study["start"]["p"][k]
+        parameter, first = study["parameters"][name], study["start"]["p"][k]
+        names, unit = parameter["names"], f" [{parameter['unit']}]" * bool(parameter["unit"])
         texts = [names[round(first)], value] if names else [f"{first:.6g}", f"{value:.6g}"]
-        rows.append([name, *texts, "", ""])
+        rows.append([name + unit, *texts, "", ""])
     lines.append(aligned(rows, left=range(5), head=1, rule=False))
     if best["violation"] > FEASIBLE:
         lines.append(

@@ -103,6 +103,7 @@ def optimise(
 
         def took(start: Start) -> None:
             done.append(start)
+            bar.set_postfix_str(f"{sum(each.computed for each in done)} designs", refresh=False)
             bar.update()
 
         distribute(executor(), _Starts(given, key, count, took))
@@ -167,6 +168,7 @@ def _content(
     return {
         "format": FORMAT,
         "case": trials.case,
+        "case_title": trials.given.table["title"],
         "study": study.name,
         "title": table.title or study.name,
         "run": table.run,
@@ -185,6 +187,7 @@ def _content(
         "parameters": {
             name: {
                 "kind": q.kind,
+                "unit": study.unit(name),
                 "range": q.range(),
                 "names": q.names,
                 "targets": [t.key for t in study.targets[name]],

@@ -169,6 +169,7 @@ class Quantity(Table):
     def words(self) -> str:
         """Return the quantity for tables and figures."""
         more = f" {self.of}" if self.of else ""
+        more += f" {self.time:g} s" if self.time is not None else ""
         entry = f"{self.entry} of " if self.entry else ""
         return f"{entry}{self.subject.replace('_', ' ')} {self.name}{more}"
 
