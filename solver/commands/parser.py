@@ -63,7 +63,7 @@ COMMANDS = (
 
 
 # Commands that say little while they work.
-TOLD = ("modes", "optimise", "plan", "sensitivities", "export")
+WITH_HEARTBEAT = ("modes", "optimise", "plan", "sensitivities", "export")
 NAMES = [add.__name__ for add in COMMANDS]
 
 
@@ -98,6 +98,6 @@ def run_command(options: argparse.Namespace) -> int:
             function = getattr(import_module(f".{module}", __package__), name)
     finally:
         gc.enable()
-    told = name.removeprefix("run_") in TOLD and not getattr(options, "quiet", False)
-    with closing(Heartbeat(name.removeprefix("run_"))) if told else nullcontext():
+    beats = name.removeprefix("run_") in WITH_HEARTBEAT and not getattr(options, "quiet", False)
+    with closing(Heartbeat(name.removeprefix("run_"))) if beats else nullcontext():
         return int(function(options))
