@@ -295,8 +295,8 @@ def test_metal_and_plies_are_judged_apart() -> None:
     t, q = motion(package)
     found = body_strength(package, t, q)
     assert found is not None
-    assert found.governing.criterion == "von-mises"
-    assert found.governing.mode == "yield"
+    assert found.governing.reserve.criterion == "von-mises"
+    assert found.governing.reserve.mode == "yield"
     assert {w.ply.material for w in found.worst.values()} == {"steel", "cfrp"}
     assert set(found.worst) == {"von-mises", *(c.name for c in PLY_CRITERIA)}
 
