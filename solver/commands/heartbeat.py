@@ -4,6 +4,8 @@ import sys
 import threading
 import time
 
+from ..studies.exit_codes import bar_is_shown
+
 FIRST_S = 1.5  # a user waits two seconds for a sign of life
 LONGER = 2.0  # time from one line to the next over that before
 
@@ -22,7 +24,8 @@ class Heartbeat:
         pause = FIRST_S
         while not self._ended.wait(pause):
             seconds = time.monotonic() - self._begin
-            print(f"{self.doing}, {seconds:.0f} s", file=sys.stderr, flush=True)
+            if not bar_is_shown():
+                print(f"{self.doing}, {seconds:.0f} s", file=sys.stderr, flush=True)
             pause *= LONGER
 
     def close(self) -> None:

@@ -47,15 +47,20 @@ def report(error: BaseException) -> str:
 # Messages of the library on standard error: records of the logger "plymotion".
 
 
+def bar_is_shown() -> bool:
+    """Return whether a progress bar is on the screen."""
+    tqdm = sys.modules.get("tqdm")
+    return tqdm is not None and bool(getattr(tqdm.tqdm, "_instances", None))
+
+
 class _Screen(logging.Handler):
     """Writes each message to the standard error of that moment, above a progress bar if any."""
 
     def emit(self, record: logging.LogRecord) -> None:
         """Write one message."""
         text = record.getMessage()
-        tqdm = sys.modules.get("tqdm")
-        if tqdm is not None and getattr(tqdm.tqdm, "_instances", None):
-            tqdm.tqdm.write(text, file=sys.stderr)
+        if bar_is_shown():
+            sys.modules["tqdm"].tqdm.write(text, file=sys.stderr)
         else:
             sys.stderr.write(f"{text}\n")
             sys.stderr.flush()

@@ -1,5 +1,6 @@
 """Long work without a progress bar says where it is, first within two seconds."""
 
+import io
 import os
 import re
 import subprocess
@@ -8,6 +9,7 @@ import time
 
 import pytest
 from harness.hostile_profile import LONG, WAIT_S
+from tqdm import tqdm
 
 from plymotion.solver.commands import heartbeat
 
@@ -26,6 +28,15 @@ def test_a_line_for_what_takes_long(capsys, monkeypatch):
         beat.close()
     assert re.fullmatch(r"((starting|two: meshing), \d+ s\n)+", told)
     assert "two: meshing" in told
+
+
+def test_a_progress_bar_has_no_lines_within(capsys, monkeypatch):
+    monkeypatch.setattr(heartbeat, "FIRST_S", 0.01)
+    with tqdm(total=1, file=io.StringIO()):
+        beat = heartbeat.Heartbeat()
+        time.sleep(0.05)
+        beat.close()
+    assert capsys.readouterr().err == ""
 
 
 @pytest.mark.skipif(LONG == 1, reason="starts FEniCSx: `make attack`")
