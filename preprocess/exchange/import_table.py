@@ -140,9 +140,11 @@ class Files:
             self._hashes[key] = file_sha256(path)
         return path
 
-    def beside_deck(self, suffix: str) -> str:
-        """Name of a file beside `deck`, of the same stem."""
-        return str(Path(str(self.table["deck"])).with_suffix(suffix))
+    def beside_deck(self, key: str, suffix: str) -> None:
+        """Unless the file `key` is named, it is that beside `deck` with this suffix."""
+        if key not in self:
+            name = str(Path(str(self.table["deck"])).with_suffix(suffix))
+            self.table = {**self.table, key: name}
 
     def latest(self) -> str:
         """Key and name of the file that was asked for last, for messages."""

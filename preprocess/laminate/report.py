@@ -10,6 +10,7 @@ from .stiffness import Lamina, Laminate, ShearCorrection, laminate_stiffness, sh
 
 SAME = 1e-9  # tolerance of thicknesses (relative) and of angles [deg]
 COUPLED = 1e-6  # size of B or of A16, A26 above which coupling is reported [-]
+ENERGY = ("energy-1d", "energy-2x2")  # of the lay-up itself: never too stiff
 SOFT = 0.3  # factor of the transverse shear below which the core carries the shear [-]
 STIFF = 1.1  # given factors over those of the lay-up, above which they are too stiff
 
@@ -66,12 +67,11 @@ def report(
             f"{name}: not balanced, extension causes shear "
             f"(A16, A26 are {extension:.2g} of sqrt(A11 A66))",
         )
-    used = shear_factors(laminate, shear)
-    of_energy = isinstance(shear, str) and shear.startswith("energy")
-    if not of_energy and ((factors < SOFT) & (used > STIFF * factors)).any():
+    given = factors if shear in ENERGY else shear_factors(laminate, shear)
+    if ((factors < SOFT) & (given > STIFF * factors)).any():
         findings += coded(
             "laminate-soft-core",
-            f"{name}: shear factors {used[0]:.3g}, {used[1]:.3g} are too stiff: a soft core "
+            f"{name}: shear factors {given[0]:.3g}, {given[1]:.3g} are too stiff: a soft core "
             f'carries the shear, and "energy-1d" gives {factors[0]:.2g}, {factors[1]:.2g}; take '
             'it or "energy-2x2"',
         )

@@ -175,11 +175,7 @@ def read(files: Files) -> FreeBody:
                 f"({', '.join(SOLIDS)}){'; ' + hint if kind in SHELLS else ''}"
             )
     for key, suffix in BESIDE.items():
-        if key not in files:
-            files.table = {
-                **files.table,
-                key: files.beside_deck(suffix),
-            }
+        files.beside_deck(key, suffix)
     ids, nodes, cells, groups = deck.mesh()
     dofs = _dofs(files.path("dofs"))
     K, M = (_matrix(files.path(key), len(dofs)) for key in ("stiffness", "mass"))
@@ -228,11 +224,7 @@ def read_modes(files: Files) -> ModalBody:
     for label, (kind, _, _) in deck.elements.items():
         if kind not in SHELLS:
             raise InputError(f"{deck.file}: element {label} of type {kind}: expected shells")
-    if "modes" not in files:
-        files.table = {
-            **files.table,
-            "modes": files.beside_deck(".frd"),
-        }
+    files.beside_deck("modes", ".frd")
     ids, nodes, cells, groups = deck.mesh()
     hertz, shapes = _modes(files.path("modes"), {int(label): k for k, label in enumerate(ids)})
     mass = _masses(deck, nodes, cells)

@@ -154,10 +154,11 @@ def new_radau_workspace(model: Model, t: float, y: Array, first_step: float) -> 
 
 @lean
 def restart_radau(model: Model, workspace: RadauWorkspace, t: float, samples: bool) -> None:
-    """Evaluate the state at t [s], behind a jump of forces, and go on from it.
+    """Evaluate the state at t [s], behind a jump of forces, for the next step.
 
-    With what was before and the jump of accelerations and multipliers. Unless TAKEN says that it is
-    forgotten, or the jump is of a stiff motion, which dies out within a step.
+    `predict` continues the polynomials of the last step, with the jumps of accelerations and
+    multipliers added. They are forgotten if TAKEN is 0, or if the jump is of a stiff motion, which
+    dies out within a step.
 
     Parameters
     ----------
@@ -220,10 +221,10 @@ def _stiff(model: Model, workspace: RadauWorkspace) -> bool:
 def predict(model: Model, workspace: RadauWorkspace, h: float) -> None:
     """Begin a step of h with the polynomials of the last one, continued.
 
-    Behind a restart with the jump of accelerations. After a start there are none. Where a restart
-    has forgotten them, those of the first step are of a transient and do not go on, either. There
-    positions follow their rates, velocities and multipliers stay, and Newton's iteration has no
-    known rate of convergence.
+    Behind a restart, the jump of accelerations is added. After a start there are no polynomials.
+    Where a restart has forgotten them, those of the first step belong to a transient and are not
+    continued either. Then positions follow their rates, velocities and multipliers stay, and
+    Newton's iteration has no known rate of convergence.
 
     Parameters
     ----------

@@ -117,8 +117,8 @@ class SimplifiedNewton:
             y += correction
             if i > 1:
                 rate = size / last if last > 0 else 0.0
-                behind = rate > SLOW and size > ROUNDED and not self._fresh
-                if behind or (rate >= 1 and size > TOLERANCE):
+                stalled = rate > SLOW and size > ROUNDED and not self._fresh
+                if stalled or (rate >= 1 and size > TOLERANCE):
                     break
                 self._rate = min(0.99, max(rate, 0.3 * self._rate))
                 self._since_measured = 0

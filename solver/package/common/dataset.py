@@ -384,7 +384,7 @@ def write_encoded(group: h5py.Group, datasets: Iterable[Encoded]) -> None:
                 packing = "gzip"
             dataset = own.create_dataset(
                 spec.path, array.shape, array.dtype, array,
-                chunks=chunks, compression=packing, shuffle=packing and True,
+                chunks=chunks, compression=packing, shuffle=packing is not None,
             )  # fmt: skip
             for key, word in zip(WORDS, (spec.unit, spec.frame, spec.text), strict=True):
                 set_text(dataset, key, word)
