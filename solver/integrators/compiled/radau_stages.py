@@ -45,7 +45,7 @@ from .step_control import (
     set_weights,
 )
 
-SOFT = 0.1  # work of elements over kinetic energy, of a jump that does not count as stiff
+SOFT = 0.1  # work of springs and dampers over kinetic energy, of motions that are not stiff
 FRESH = 2  # steps after a restart that continue no polynomial
 ROOT = np.sqrt(6.0)
 C = np.array([(4.0 - ROOT) / 10.0, (4.0 + ROOT) / 10.0, 1.0])  # stages [h]
@@ -193,10 +193,10 @@ def restart_radau(model: Model, workspace: RadauWorkspace, t: float, samples: bo
 
 @inlined
 def _stiff(model: Model, workspace: RadauWorkspace) -> bool:
-    """Return whether a step like the last one answers a jump by more than its inertia.
+    """Return whether the jump of accelerations begins a stiff motion.
 
-    By the work of elements along the motion that the jump begins, over its kinetic energy. Modes
-    of bodies always do: most are stiff.
+    It does if springs and dampers, in a step like the last one, take more than SOFT of the kinetic
+    energy of that motion. Mechanisms with modes always count as stiff, because most modes are.
     """
     frozen, real, jump, h = workspace.frozen, workspace.real, workspace.jump, workspace.clock[TAKEN]
     none, rest = workspace.load[0], workspace.gamma[0]

@@ -233,8 +233,8 @@ SAFETY = 0.8
 MIN_FACTOR, MAX_FACTOR, MAX_FACTOR_ORDER_1 = 0.2, 2.0, 10.0
 # Of the mean |h w|: order 3 and above, kept from growing by the error control.
 GROWTH_LIMITED = (0.4, 1.0)
-# Distance of the last point of the past that counts for the error, in steps: a step behind a bend
-# of f, far shorter than those before, has half of the change that they do not predict as error.
+# Largest distance of the last past point in the estimate of the error, in steps. Behind a bend of f
+# a step is far shorter than those before it, and the estimate would be divided by the distance.
 FAR = 30.0
 HYSTERESIS = 1.2  # a smaller growth of the step is not worth new factors
 

@@ -1,6 +1,6 @@
 """Tolerances of the iteration of generic integrators."""
 
-# With an old matrix: rate of convergence that tells a bend of f behind which all corrections are
-# far too small, and least correction, in tolerances, that is no rounding.
+# Newton's iteration with an old matrix, behind a bend of f: its corrections are far too small if
+# they decrease by a rate above SLOW. Corrections below ROUNDED tolerances are rounding.
 SLOW = 0.9
 ROUNDED = 1e-6
