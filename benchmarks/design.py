@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from design_random import against_random
 from design_scenes import SCENES, hinged
 from scipy.optimize import minimize_scalar
 
@@ -28,12 +29,12 @@ from plymotion.solver.studies.design.study import optimise
 from plymotion.solver.studies.design.trials import StudySpec, Trials
 from plymotion.solver.studies.sensitivities.differentiated_run import Trace, with_sensitivities
 from plymotion.solver.studies.sensitivities.parameters import combined, design_parameter
-from plymotion.solver.workers.executors import Here, Local
+from plymotion.solver.workers.executors import Here
 from tests.samples.design_samples import BEST, CARBON, angles, oscillator, tube
 
 PLIES = 12
-RANDOM, VIOLATED = 2000, 1e-3
 BEAM = Path("cases/actuated-beam/case.toml").absolute()
+STATE = Path("build/benchmarks/random").absolute()  # with it, an interrupted part goes on
 ANGLE = 0.2  # step of differences [deg]
 SIX, SIX_WEIGHTS = (-3, -2, -1, 1, 2, 3), (-1, 9, -45, 45, -9, 1)
 
@@ -247,12 +248,12 @@ def many_parameters(folder: Path, count: int = 1000) -> dict[str, Any]:
     }
 
 
-def random_designs(folder: Path) -> dict[str, Any]:
+def random_designs(_: Path) -> dict[str, Any]:
     """The best of 16 starts of the actuated beam, against the best of random designs."""
-    return _against_random(folder, beam(starts=16, verify=False))
+    return against_random(BEAM, STATE / "free", beam(starts=16, verify=False))
 
 
-def random_designs_within_limits(folder: Path) -> dict[str, Any]:
+def random_designs_within_limits(_: Path) -> dict[str, Any]:
     """The same with the thickness of all plies, and limits of strength, frequency and mass."""
     limits = {"strength": (1.5, None), "frequency": (15.0, None), "mass": (None, 0.085)}
     subject_to = [
@@ -266,54 +267,7 @@ def random_designs_within_limits(folder: Path) -> dict[str, Any]:
     thick = [key.replace("angle_deg", "thickness") for key in keys]
     parameter = {"of": thick, "kind": "thickness", "bounds": [1e-4, 1.6e-4]}
     table["design"]["parameters"]["thick"] = parameter
-    return _against_random(folder, table)
-
-
-def _against_random(folder: Path, table: dict[str, Any]) -> dict[str, Any]:
-    begin = time.perf_counter()
-    found = optimise(StudySpec(table, BEAM, False, "tip", folder), lambda: Local(2))
-    study = time.perf_counter() - begin
-    best, merits = found["optimum"], [s["best"]["shown"][0] for s in found["starts"] if s["best"]]
-    rng, begin, values = np.random.default_rng(36), time.perf_counter(), list[float]()
-    limits = table["design"]["studies"]["tip"].pop("subject_to", [])
-    trials = Trials(StudySpec(table, BEAM, False, "tip", folder / "random"))
-    table["design"]["studies"]["tip"]["subject_to"] = limits
-    limited, within = Trials(StudySpec(table, BEAM, False, "tip", folder / "limited")), 0
-    low, high = np.array([p.range() for p in trials.study.parameters.values()]).T
-    for _ in range(RANDOM):
-        p = rng.uniform(low, high)
-        values += trials.values(p).shown[:1]
-        if limits and values[-1] < best["shown"][0]:  # others are not better anyway
-            within += _violation(limits, limited.values(p).shown[1:]) <= VIOLATED
-    violated = [
-        _violation(limits, found[each]["shown"][1:]) for each in ("optimum", "verified") if limits
-    ]
-    return {
-        "optimum_mm": 1e3 * best["shown"][0],
-        "limits": best["shown"][1:],
-        "violation_before_and_after_verification": violated,
-        "starts": len(merits),
-        "starts_within_1e-3": sum(m < 1.001 * best["shown"][0] for m in merits),
-        "designs_of_the_study": sum(len(start["history"]) for start in found["starts"]),
-        "study_s_two_processes": study,
-        "random": RANDOM,
-        "random_best_median_mm": [1e3 * float(f(values)) for f in (np.min, np.median)],
-        "random_better_within_limits": within
-        if limits
-        else sum(v < best["shown"][0] for v in values),
-        "random_s": time.perf_counter() - begin,
-    }
-
-
-def _violation(limits: list[dict[str, Any]], shown: list[float]) -> float:
-    """Return the largest relative violation of limits by what is shown of a design."""
-    return max(
-        0.0,
-        *(
-            1.0 - value / limit["min"] if "min" in limit else value / limit["max"] - 1.0
-            for limit, value in zip(limits, shown, strict=True)
-        ),
-    )
+    return against_random(BEAM, STATE / "limited", table)
 
 
 def _six_points(trials: Trials, p: Any, k: int) -> float:

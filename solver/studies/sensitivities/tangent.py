@@ -36,8 +36,9 @@ from .linear import Column, Linear, Linearisation, Partials
 
 BATCH = 2_000_000  # numbers of the terms of one batch of steps
 NEAR = 1e-6  # of the size of the mechanism: distance from a bend of a force
-NODES, STRIDES = 6, (2, 1)  # through which equations are interpolated; steps between them
+NODES, STRIDES = 8, (2, 1)  # through which equations are interpolated; steps between them
 ROUGH = 1e-5  # of the largest velocity: what interpolated accelerations may miss in a step
+GROWN = 4.0  # sum of the sizes of weights: more makes the rounding errors of equations large
 
 
 class Batch(NamedTuple):
@@ -261,8 +262,8 @@ class Tangent:
         """Return the stages at which equations are evaluated, and weights (3 k, nodes) of all.
 
         Where the motion is smooth, the ends of steps or of every second one are enough: the
-        polynomial through six of them has the order of the method. Accelerations, which are known
-        at all stages, tell.
+        polynomial through eight of them has a higher order than the method. Accelerations, which
+        are known at all stages, tell.
         """
         k, at = batch.t.size - 1, batch.at
         asked = np.ones((k, 3), dtype=bool)
@@ -271,10 +272,13 @@ class Tangent:
         for stride in STRIDES if batch.is_smooth and k > NODES else ():
             asked[1:-1] = False
             asked[1:-1:stride, 2] = True
-            a = np.abs(_through(at, np.flatnonzero(asked)) @ batch.a[asked.ravel()] - batch.a)
+            weights = _through(at, np.flatnonzero(asked))
+            a = np.abs(weights @ batch.a[asked.ravel()] - batch.a)
             error = (a * self.units).max(axis=1).reshape(k, 3).max(axis=1) * np.diff(batch.t)
-            asked |= (error > most)[:, None]
-            if 3 * (error > most).sum() < asked.sum():
+            far = abs(weights).sum(axis=1).reshape(k, 3).max(axis=1) > GROWN
+            rough = (error > most) | far
+            asked |= rough[:, None]
+            if 3 * rough.sum() < asked.sum():
                 break
         nodes = np.flatnonzero(asked)
         return nodes, _through(at, nodes)
