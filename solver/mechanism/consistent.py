@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..dynamics.analysis.projection import least_energy
 from ..dynamics.analysis.rank import clearly_independent
-from ..dynamics.analysis.recovery import SAMPLES, extent
+from ..dynamics.analysis.recovery import SAMPLES, extent, sizes_of_motion
 from ..dynamics.elements.constraints.minimum_norm import RANK_TOLERANCE
 from ..dynamics.elements.constraints.treatment import row_masses, scaled_jacobian
 from ..dynamics.elements.joints.table import DRIVES, NAMES, ROWS
@@ -44,7 +44,11 @@ def rows_of(model: Model, joint: int) -> slice:
 
 
 def described_gaps(
-    model: Model, residual: Array, names: list[str], labels: tuple[str, str], least: float = 1e-9
+    model: Model,
+    residual: Array,
+    names: list[str],
+    labels: tuple[str, str],
+    least: float | None = None,
 ) -> str:
     """List the joints with residuals above `least`, largest first.
 
@@ -54,9 +58,11 @@ def described_gaps(
     residual : residuals of the constraints (n_c,) [m, rad, or rates]
     names : names of the joints
     words : words or units for distances and rotations
-    least : residual below which a joint is left out
+    least : residual below which a joint is left out; None: STAYS_OPEN of the largest
     """
     parts = []
+    if least is None:
+        least = STAYS_OPEN * float(np.abs(residual).max(initial=0.0))
     for k, name in enumerate(names):
         r = residual[rows_of(model, k)]
         units = ROWS[NAMES[model.joint_kind[k]]]
@@ -182,8 +188,7 @@ def _require_singular(
 def _tried(model: Model, y: Array, joints: _Joints, motion: Array) -> Array:
     """Return the displacement along a scaled motion (n_vel,) that turns or moves a body by TURN."""
     step = motion / np.sqrt(joints.scale)
-    frames = step[np.asarray(model.vel_start)[:, None] + np.arange(6)]
-    largest = float(np.max(np.abs(frames) / np.repeat([extent(model, y), 1.0], 3)))
+    largest = float(np.max(np.abs(step / sizes_of_motion(model, extent(model, y)))))
     return np.asarray(step * (TURN / max(largest, 1e-300)))
 
 
@@ -220,7 +225,7 @@ DEFORMED = (
     "torsion and of bending in both planes, or take joints that leave more freedom (spherical, "
     "universal, point_on_line)"
 )
-_MAX_STEP = 0.5  # [m, rad] limit of one Newton correction, for rough initial positions
+_MAX_STEP = 0.5  # limit of one Newton correction [rad, over the size], for rough positions
 _MAX_ITERATIONS = 60
 
 
@@ -311,21 +316,26 @@ def with_closed_joints(model: Model, y: Array, *, elastic: bool = False) -> Arra
     y : state (n,), as in dynamics/model/model.py
     elastic : bodies deform where frames alone do not close the joints, with least strain energy
     """
-    scale, y = _ease(model, elastic=elastic), y.copy()
+    size, y = extent(model, y), y.copy()
+    scale, rows = _ease(model, size, elastic=elastic), row_sizes(model, size)[:, None]
     for _ in range(_MAX_ITERATIONS):
-        if _open(model, y).max(initial=0.0) < POSITION_TOLERANCE:
+        if _open(model, y, size).max(initial=0.0) < POSITION_TOLERANCE:
             break  # without the dense Jacobian of a long chain
         equations = assemble(model, 0.0, y)
-        J, gap = equations.Phi_q, equations.Phi
+        J, gap = equations.Phi_q / rows, equations.Phi / rows[:, 0]
         step = scale * np.linalg.lstsq(J * scale, -gap, rcond=1e-10)[0]
-        step *= min(1.0, _MAX_STEP / max(np.max(np.abs(step)), 1e-300))
+        largest = float(np.max(np.abs(step) / sizes_of_motion(model, size)))
+        step *= min(1.0, _MAX_STEP / max(largest, 1e-300))
         y[: model.n_pos] = moved(model, y[: model.n_pos], step)
     return y
 
 
-def _ease(model: Model, *, elastic: bool) -> Array:
-    """Return how easily each coordinate changes to close joints, (n_vel,)."""
-    scale = np.full(model.n_vel, PREFERRED if elastic else 1.0)
+def _ease(model: Model, size: float, *, elastic: bool) -> Array:
+    """Return how easily each coordinate changes to close joints, (n_vel,).
+
+    A motion by the size [m] of the mechanism counts as a turn by 1 rad.
+    """
+    scale = sizes_of_motion(model, size) * (PREFERRED if elastic else 1.0)
     for i in range(model.n_body):
         j, m = int(model.vel_start[i]) + 6, int(model.n_mode[i])
         stiffness = np.diagonal(modal_matrix(model, model.K_qq, i))
@@ -346,22 +356,35 @@ def frames_close(model: Model, y: Array) -> bool:
     """Return whether the joints can be closed in state y (n,) without further deformation."""
     if not model.n_constraint:
         return True
-    return bool(_open(model, with_closed_joints(model, y)).max() <= STAYS_OPEN)
+    return bool(_open(model, with_closed_joints(model, y), extent(model, y)).max() <= STAYS_OPEN)
 
 
-def _open(model: Model, y: Array) -> Array:
-    """Return |Phi|, (n_c,), in state y."""
-    return np.abs(balance(model, np.zeros(1), y[None]).Phi[0])
+def row_sizes(model: Model, size: float) -> Array:
+    """Return by what the constraints are measured, (n_c,): the size of the mechanism, or 1 rad.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    size : of the mechanism [m]
+    """
+    units = (unit for kind in model.joint_kind for unit in ROWS[NAMES[kind]])
+    return np.array([size if unit == "d" else 1.0 for unit in units])
+
+
+def _open(model: Model, y: Array, size: float) -> Array:
+    """Return |Phi|, (n_c,), in state y [rad, over the size]."""
+    return np.abs(balance(model, np.zeros(1), y[None]).Phi[0]) / row_sizes(model, size)
 
 
 def _assembled(model: Model, y: Array, names: list[str], *, deforming: bool) -> Array:
     """Close the joints; the error names those that stay open."""
-    y = with_closed_joints(model, y)
-    gap, sprung = _open(model, y), np.inf if deforming else SPRUNG
-    if STAYS_OPEN < gap.max() < sprung * min(1.0, extent(model, y)):
+    size, y = extent(model, y), with_closed_joints(model, y)
+    gap = _open(model, y, size)
+    if STAYS_OPEN < gap.max() < (np.inf if deforming else SPRUNG):
         y = with_closed_joints(model, y, elastic=True)
-        gap = _open(model, y)
+        gap = _open(model, y, size)
     if gap.max() > STAYS_OPEN:
+        gap = gap * row_sizes(model, size)
         apart = described_gaps(model, gap, names, ("m apart", "rad twisted"))
         raise InputError(
             "the mechanism cannot be assembled from the given positions; joints left open: "
@@ -423,7 +446,8 @@ def redundancy(model: Model, y: Array, names: list[str], t_end: float = 0.0) -> 
     involved = [name for k, name in enumerate(names) if weight[rows_of(model, k)].max() > 1e-6]
     state = accelerations(model._replace(redundant=count), equations, y)[0]
     residual = equations.Phi_q @ state - equations.gamma
-    terms = np.abs(equations.Phi_q) @ np.abs(state)  # whose rounding is in the residual
+    # whose rounding is in the residual
+    terms = np.abs(equations.Phi_q) @ (np.abs(state) + np.abs(equations.f) / model.inertia_scale)
     size = max(1.0, float(np.max(np.abs(equations.gamma))), float(np.max(terms)))
     if np.max(np.abs(residual)) > VELOCITY_TOLERANCE * size:
         off = described_gaps(model, residual, names, ("m/s2", "rad/s2"))
@@ -463,11 +487,11 @@ class _Rank:
 def _nearby(model: Model, y: Array, rank: _Rank) -> Array | None:
     """Return a state a hundredth of a radian from y that satisfies the joints, or None."""
     mix = np.cos(np.arange(1.0, rank.null.shape[0] + 1.0))  # an arbitrary direction
-    step = (mix @ rank.null) / np.sqrt(model.inertia_scale)
-    near = y.copy()
-    near[: model.n_pos] = moved(model, y[: model.n_pos], 0.01 * step / np.max(np.abs(step)))
+    step, size = (mix @ rank.null) / np.sqrt(model.inertia_scale), extent(model, y)
+    near, largest = y.copy(), np.max(np.abs(step) / sizes_of_motion(model, size))
+    near[: model.n_pos] = moved(model, y[: model.n_pos], 0.01 * step / largest)
     near = with_closed_joints(model, near)
-    closed = _open(model, near).max() < STAYS_OPEN
+    closed = _open(model, near, size).max() < STAYS_OPEN
     return near if closed else None
 
 
@@ -495,7 +519,7 @@ def _velocities(
     residual = equations.Phi_q @ v + equations.Phi_t
     scale = max(1.0, float(np.max(np.abs(v), initial=0.0)))
     if deforming and n_c:
-        ease = _ease(model, elastic=True)
+        ease = _ease(model, extent(model, y), elastic=True)
         v = v - ease * np.linalg.lstsq(equations.Phi_q * ease, residual, rcond=1e-10)[0]
         residual = equations.Phi_q @ v + equations.Phi_t
     if n_c and np.max(np.abs(residual)) > VELOCITY_TOLERANCE * scale:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..dynamics.analysis.rank import FreeMotions, free_motions
-from ..dynamics.analysis.recovery import extent, shape_sizes
+from ..dynamics.analysis.recovery import extent, sizes_of_motion
 from ..dynamics.elements.joints.table import DRIVES, JOINTS, NAMES
 from ..dynamics.evaluation.accelerations import Equations, assemble
 from ..dynamics.evaluation.evaluation import started
@@ -23,10 +23,12 @@ from ..dynamics.model.model import GROUND, Model
 from ..errors import InputError, few
 from ..math.arrays import Array
 from .built import BuiltMechanism, Start
+from .consistent import row_sizes
 from .tolerances import (
     BALANCE_CLOSED,
     BALANCED,
     CONSTANT_LOADS,
+    FALLS,
     LEAST_SPIN_STEP,
     NEUTRAL,
     ONE_LINE,
@@ -37,11 +39,12 @@ if TYPE_CHECKING:
     from ..inputs.case.tables.solver import Solver
 
 
-_MAX_STEP = 0.3  # [m, rad]
-_MAX_ITERATIONS, _IN_WIND = 200, 30  # loads of the wind have no minimum to go to
+_MAX_STEP = 0.3  # of `sizes_of_motion`
+_MAX_ITERATIONS = 200
+_PATIENT = 30  # steps in a row that bring no less unbalance: loads of the wind have no minimum
 _REST = Spin(np.array([0.0, 0.0, 1.0]), np.zeros(3), 0.0)
-_NUDGE = 0.05  # [m, rad, modes] step away from an unstable equilibrium
-_DIFFERENCE = 1e-6  # [m, rad, modes] increment for the stiffness by finite differences
+_NUDGE = 0.05  # step away from an unstable equilibrium, of `sizes_of_motion`
+_DIFFERENCE = 1e-6  # increment for the stiffness by finite differences, of `sizes_of_motion`
 
 
 def resting_state(model: Model, start: Start, body_names: list[str]) -> tuple[Model, Array]:
@@ -85,32 +88,35 @@ def equilibrium(model: Model, start: Start, body_names: list[str]) -> Start:
         No equilibrium found, or joints cannot be closed; names the body with unbalanced forces.
     """
     positions = closed(model, start.positions)
-    largest, wind = 0.0, len(model.rotor.polar) > 0
-    most = _IN_WIND if wind else _MAX_ITERATIONS
-    for _ in range(most):
-        here = Turning(model, positions, _REST, ready=True)
+    sizes = sizes_of_motion(model, _size(model, positions))
+    largest, least, stalled, steps = 0.0, np.inf, 0, 0
+    while stalled < _PATIENT and steps < _MAX_ITERATIONS:
+        here, steps = Turning(model, positions, _REST, ready=True), steps + 1
         g, free, unbalanced, _ = here.balanced()
         push = free.Z @ unbalanced
         largest = max(largest, float(np.max(np.abs(g) / model.inertia_scale)))
+        size = float(np.linalg.norm(unbalanced))
+        least, stalled = (size, 0) if size < FALLS * least else (least, stalled + 1)
         K = here.stiffness(g, free)
         stiffness, directions = np.linalg.eigh(0.5 * (K + K.T))
         if np.max(np.abs(push), initial=0.0) <= BALANCED * max(largest, 1e-12):
             if stiffness.size == 0 or stiffness[0] > -NEUTRAL:
                 return replace(start, positions=positions)
             step = free.Z @ directions[:, 0]
-            positions = closed(model, moved(model, positions, _sized(step, _NUDGE)))
+            step *= _NUDGE / float(np.max(np.abs(step) / sizes))
+            positions, least, stalled = closed(model, moved(model, positions, step)), np.inf, 0
             continue
         if stiffness[0] > NEUTRAL:
             step = free.Z @ np.linalg.solve(K, unbalanced)
         else:
             along = directions.T @ unbalanced
             step = free.Z @ (directions @ (along / np.maximum(np.abs(stiffness), NEUTRAL)))
-        positions = _downhill(here, g, free, limited(model, step))
+        positions = _downhill(here, g, free, limited(step, sizes))
+    in_wind = "; for a rotor in the wind, use `spin=SPEED` or `start`"
     raise InputError(
-        f"solver.start: no static equilibrium within {most} steps; "
+        f"solver.start: no static equilibrium within {steps} steps; "
         f"{pushed(model, push, body_names)}. Expected loads that joints, springs and "
-        "elasticity can balance"
-        + ("; for a rotor in the wind, use `spin=SPEED` or `start`" if wind else "")
+        f"elasticity can balance{in_wind if model.rotor.polar.size else ''}"
     )
 
 
@@ -143,32 +149,30 @@ def _downhill(here: "Turning", g: Array, free: FreeMotions, step: Array) -> Arra
 
 def closed(model: Model, positions: Array) -> Array:
     """Return positions with the joints closed by the least change, elastic motion included."""
+    size = _size(model, positions)
+    sizes, rows = sizes_of_motion(model, size), row_sizes(model, size)
     for _ in range(50):
         equations = _at_rest(model, positions)
-        if np.max(np.abs(equations.Phi), initial=0.0) < BALANCE_CLOSED:
+        if np.max(np.abs(equations.Phi) / rows, initial=0.0) < BALANCE_CLOSED:
             return positions
         step = -free_motions(equations, model.inertia_scale).P @ equations.Phi
-        positions = moved(model, positions, limited(model, step))
+        positions = moved(model, positions, limited(step, sizes))
     raise InputError(
         "solver.start: the joints cannot be closed during the search for equilibrium "
         f"({np.max(np.abs(equations.Phi)):.2g} m or rad apart); give initial positions closer to it"
     )
 
 
-def limited(model: Model, step: Array) -> Array:
-    """Return a step (n_vel,) that moves and turns nothing by more than 0.3 m or rad.
+def _size(model: Model, positions: Array) -> float:
+    return extent(model, np.concatenate([positions[: model.n_pos], np.zeros(model.n_vel)]))
+
+
+def limited(step: Array, sizes: Array) -> Array:
+    """Return a step (n_vel,) that moves nothing by more than 0.3 of the size and turns 0.3 rad.
 
     A mode counts by its displacement: a unit of it is 2 mm in a blade of 70 t.
     """
-    size = np.abs(step)
-    for i in range(model.n_body):
-        j, m = int(model.vel_start[i]) + 6, int(model.n_mode[i])
-        size[j : j + m] *= shape_sizes(model, i)
-    return step * min(1.0, _MAX_STEP / max(float(np.max(size)), 1e-300))
-
-
-def _sized(step: Array, size: float) -> Array:
-    return step * (size / float(np.max(np.abs(step))))
+    return step * min(1.0, _MAX_STEP / max(float(np.max(np.abs(step) / sizes)), 1e-300))
 
 
 def pushed(model: Model, push: Array, body_names: list[str]) -> str:
@@ -382,8 +386,9 @@ class Turning:
         By central differences, at constant multipliers.
         """
         K, multipliers = np.zeros((free.Z.shape[1],) * 2), free.P.T @ g
+        sizes = sizes_of_motion(self.model, extent(self.model, self.y))
         for k, z in enumerate(free.Z.T):
-            h = _DIFFERENCE / float(np.max(np.abs(z)))
+            h = _DIFFERENCE / float(np.max(np.abs(z) / sizes))
             ahead, behind = (
                 self.force(moved(self.model, self.positions, step * z), multipliers)
                 for step in (h, -h)
@@ -455,7 +460,7 @@ def _with_spin(model: Model, positions: Array, spin: Spin, t: float, angle: floa
 
 def _newton(model: Model, positions: Array, spin: Spin) -> tuple[Array | None, Array]:
     """Return positions of equilibrium, or None and the unbalanced accelerations (n_vel,)."""
-    largest, push, sizes = 0.0, np.zeros(model.n_vel), [np.inf] * _PATIENCE
+    largest, push, last = 0.0, np.zeros(model.n_vel), [np.inf] * _PATIENCE
     for _ in range(_ITERATIONS):
         here = Turning(model, positions, spin)
         g, free, unbalanced, _ = here.balanced()
@@ -464,16 +469,17 @@ def _newton(model: Model, positions: Array, spin: Spin) -> tuple[Array | None, A
         size = float(np.linalg.norm(unbalanced))
         if np.max(np.abs(push), initial=0.0) <= BALANCED * max(largest, 1e-12):
             return positions, push
-        if size > 0.99 * sizes[-_PATIENCE]:
+        if size > FALLS * last[-_PATIENCE]:
             break  # the spin is to grow in steps
-        sizes.append(size)
+        last.append(size)
         K = here.stiffness(g, free)
         if np.all(np.abs(push) <= round_off(model, positions, spin.rate, K, free)):
             return positions, push
         turn = here.turn(free)
         if turn is not None:  # a turn as a whole changes nothing: its stiffness is round-off
             K = K + np.abs(K).max() * np.outer(turn, turn) / float(turn @ turn)
-        step = limited(model, free.Z @ _solved(K, unbalanced))
+        sizes = sizes_of_motion(model, extent(model, here.y))
+        step = limited(free.Z @ _solved(K, unbalanced), sizes)
         for _ in range(12):
             try:
                 there = closed(model, moved(model, positions, step))
@@ -503,8 +509,7 @@ def round_off(model: Model, positions: Array, rate: float, K: Array, free: FreeM
     K : stiffness of the free motions (f, f)
     free : motions that the joints leave free
     """
-    at_rest = np.concatenate([positions[: model.n_pos], np.zeros(model.n_vel)])
-    size = extent(model, at_rest)
+    size = _size(model, positions)
     frame = np.zeros(model.n_vel)
     for j in model.vel_start:
         frame[j : j + 3], frame[j + 3 : j + 6] = size, 1.0

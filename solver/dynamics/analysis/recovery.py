@@ -61,6 +61,25 @@ def shape_sizes(model: Model, i: int) -> Array:
     return np.asarray(np.sqrt(diagonal / model.mass[i]))
 
 
+def sizes_of_motion(model: Model, size: float) -> Array:
+    """Return by what each velocity coordinate moves or turns a body as far as any, (n_vel,).
+
+    The size [m] of the mechanism along axes, 1 rad about them, and as much of a mode as moves its
+    body by the size.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    size : of the mechanism [m]
+    """
+    sizes = np.ones(model.n_vel)
+    for i in range(model.n_body):
+        j, m = int(model.vel_start[i]), int(model.n_mode[i])
+        sizes[j : j + 3] = size
+        sizes[j + 6 : j + 6 + m] = size / shape_sizes(model, i)
+    return sizes
+
+
 def extent(model: Model, y0: Array) -> float:
     """Return the size of a mechanism in state y0 (n,), the length of `scales` [m]."""
     frames = y0[np.asarray(model.pos_start)[:, None] + np.arange(3)]
@@ -215,8 +234,11 @@ def momentum_rates(model: Model, y: Array, rates: Array) -> Array:
     rates : dy/dt (k, n)
     """
     parameters = np.asarray(model.pos_start)[:, None] + np.arange(3, 7)
-    turning = np.linalg.norm(rates[:, parameters], axis=2).max(axis=1, initial=1.0)
-    h = (2e-3 / turning)[:, None]
+    turning = np.linalg.norm(rates[:, parameters], axis=2).max(axis=1, initial=0.0)
+    v = np.abs(y[:, model.n_pos : model.n_pos + model.n_vel])
+    moving = (v / sizes_of_motion(model, extent(model, y[0]))).max(axis=1, initial=0.0)
+    fastest = np.maximum(turning, moving)
+    h = (2e-3 / np.where(fastest > 0.0, fastest, 1.0))[:, None]
     totals = np.zeros((len(y), model.n_body, 6))
     for s, weight in DIFFERENCE:
         _, moved = series.momenta(model, y + s * h * rates)
