@@ -161,6 +161,16 @@ def test_webs_whose_feet_overlap_are_refused(tmp_path, capsys):
     assert "expected none of those of web" in message
 
 
+def test_a_web_in_the_nose_is_as_thick_as_there_is_room(tmp_path):
+    # At the tip the feet would overlap if its layers had their thickness across it.
+    def change(blade, table):
+        blade["structure"]["anchors"][-1] = anchor("web", 0.49, 0.51)
+
+    blade = read_blade(write_blade(tmp_path, wrong(change)))
+    found = [areas(write_station(blade, r, "one", tmp_path))["web-core"] for r in (0.9, 1.0)]
+    assert 0.0 < found[1] < found[0]
+
+
 def test_layers_and_webs_are_there_within_their_grids_only(tmp_path):
     def change(blade, table):
         layers = blade["structure"]["layers"]

@@ -272,8 +272,10 @@ def _columns_of(web: WebLayers, arcs: Array, perimeter: float) -> IntArray:
     return np.asarray(np.abs(arcs - feet_of(web, perimeter)[..., None]).argmin(axis=-1))
 
 
-def check_feet(webs: list[WebLayers], perimeter: float, low: float, high: float) -> None:
-    """Refuse feet that reach past the ends of the contour or over those of another web.
+def foot_without_room(
+    webs: list[WebLayers], perimeter: float, low: float, high: float
+) -> str | None:
+    """Tell of a foot that reaches past the ends of the contour or over another one.
 
     Parameters
     ----------
@@ -281,6 +283,11 @@ def check_feet(webs: list[WebLayers], perimeter: float, low: float, high: float)
     perimeter : length of the contour [m]
     low : first arc that they may cover
     high : last arc
+
+    Returns
+    -------
+    str or None
+        Its key and what was expected; None if all feet have room.
     """
     taken: list[tuple[float, float, str]] = []
     for web in webs:
@@ -288,12 +295,12 @@ def check_feet(webs: list[WebLayers], perimeter: float, low: float, high: float)
             one, two = float(foot.min()), float(foot.max())
             key = f"structure.webs: {web.name}: its foot covers the arcs {one:.5f} to {two:.5f}"
             if one <= low or two >= high:
-                raise InputError(f"{key}; expected arcs from {low:.5f} to {high:.5f}")
+                return f"{key}; expected arcs from {low:.5f} to {high:.5f}"
             for start, end, other in taken:
                 if one < end and two > start:
-                    expectation = f"expected none of those of {other}, {start:.5f} to {end:.5f}"
-                    raise InputError(f"{key}; {expectation}")
+                    return f"{key}; expected none of those of {other}, {start:.5f} to {end:.5f}"
             taken.append((one, two, web.name))
+    return None
 
 
 def level_under(web: WebLayers, t: Array, arcs: Array, perimeter: float) -> None:

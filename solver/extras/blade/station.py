@@ -20,10 +20,10 @@ from .layers import (
     WebLayers,
     add_web,
     breaks,
-    check_feet,
     enclosed,
     feet_of,
     fitted,
+    foot_without_room,
     joined,
     level_under,
     material_of,
@@ -78,15 +78,17 @@ def station_mesh(
     nose = float(s[len(points) // 2]) / perimeter
     ends = [low, *corners, high]
     fixed = [*ends, nose] if any(band.angle_deg for band in bands) else ends
+    room = corners or (low, high)
+    if refused := foot_without_room(webs, perimeter, *room):
+        raise InputError(refused)
     for last in [False] * PASSES + [True]:
-        check_feet(webs, perimeter, *(corners or (low, high)))
         arcs = _columns(rows, webs, perimeter, fixed)
         outer = _smooth(points, s / perimeter, arcs)
         normals = _normals(points, s / perimeter, arcs, outer, ends, mitred)
         t, lost = _thickness(rows, webs, arcs, outer, normals, perimeter)
         inner = outer + t.sum(axis=0)[:, None] * normals
         wider, change = fitted(webs, arcs, inner, perimeter)
-        if change < FITTED or last:
+        if change < FITTED or last or foot_without_room(wider, perimeter, *room):
             break
         webs = wider
     mesh.removed = _removed(rows, perimeter, low, high, lost)
