@@ -121,6 +121,7 @@ def _guarded(options: argparse.Namespace) -> int:
             scripts(allowed=not getattr(options, "no_scripts", False)),
             named_by_user(_paths(options)),
         ):
+            _check_paths(options)
             code = run_command(options)
             sys.stdout.flush()  # a full disk or a closed pipe raises here
             return code
@@ -156,6 +157,13 @@ def _paths(options: argparse.Namespace) -> list[Path]:
     """Return all paths of a command line; of build/CASE/runs/RUN.json also build/CASE."""
     values = [v for value in vars(options).values() for v in _listed(value) if isinstance(v, Path)]
     return [*values, *(path.parent.parent for path in values if path.suffix == ".json")]
+
+
+def _check_paths(options: argparse.Namespace) -> None:
+    for path in _paths(options):
+        if os.path.exists(path) and not (os.path.isfile(path) or os.path.isdir(path)):
+            # It may never end, or wait for a writer.
+            raise InputError(f"{path}: expected a file, found a device or a pipe")
 
 
 def _listed(value: object) -> list[object]:

@@ -1,7 +1,11 @@
 """A path to a device that never ends is refused at once."""
 
+import os
+import sys
+
 import pytest
 
+from plymotion.solver.__main__ import main
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.case.tables.laws import read_columns
 from plymotion.solver.inputs.common.text_file import read_toml
@@ -14,3 +18,13 @@ def test_devices_are_no_files(tmp_path):
         read_toml(link, "case file")
     with pytest.raises(ValueError, match="zero: cannot be read"):
         read_columns(link)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no such files")
+@pytest.mark.parametrize("command", ["run", "sweep", "packages", "import", "blade", "report"])
+def test_a_pipe_is_no_file_of_a_command(tmp_path, capsys, command):
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    assert main([command, str(pipe)]) == 2
+    expected = f"error: {pipe}: expected a file, found a device or a pipe\n"
+    assert capsys.readouterr().err == expected

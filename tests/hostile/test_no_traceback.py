@@ -32,6 +32,7 @@ def _check(folder: Path, text: str | bytes) -> int:
 WRONG = {
     "nested": ("x = " + "[" * 500 + "]" * 500 + "\n" + CASE, "nested too deep"),
     "digits": (CASE.replace("mass = 1.0", "mass = " + "9" * 5000), "not valid TOML: .*4300 digits"),
+    "a million dots": ("x" + ".x" * 1_000_000 + " = 1\n" + CASE, "nested too deep"),
     "dots": ("x" + ".x" * 2_000 + " = 1\n" + CASE, "nested too deep; expected 100 levels"),
     "hexadecimal digits": (
         CASE.replace("mass = 1.0", "mass = 0x" + "f" * 5000),

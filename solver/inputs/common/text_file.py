@@ -13,6 +13,8 @@ from ...errors import InputError, printable
 
 Tables = dict[str, Any]  # as they are read, not checked yet
 LEVELS = 100  # of tables and lists in each other
+# A key of so many parts; the time of tomllib grows with the square of their number.
+DOTTED = re.compile(rf"(?<![^\s.\[])(?:[^\s.,=\[\]]++\s*+\.\s*+){{{LEVELS}}}")
 CASE = "case file"
 # Keys that only one kind of file has: one message about them says more than one about each key.
 DESCRIPTION = "description for `plymotion section` or `plymotion shell`"
@@ -33,6 +35,8 @@ def read_toml(file: Path, what: str) -> dict[str, object]:
     text = ""
     try:
         text = file.read_text(encoding="utf-8-sig")
+        if DOTTED.search(text):
+            raise InputError(too_deep)
         table = tomllib.loads(text)
     except (FileNotFoundError, IsADirectoryError) as error:
         raise InputError(f"{file}: no such {what}") from error
