@@ -8,7 +8,7 @@ import h5py
 from ..errors import InputError, PackageError
 from .body.package_file import MODAL_PACKAGE, write_package
 from .body.package_schema import ModalPackage
-from .common.container import get_text, open_file
+from .common.container import contents, get_text, open_file
 from .common.dataset import WORDS
 from .common.design import GROUP
 from .common.files import temporary_sibling
@@ -49,13 +49,14 @@ def validate(path: str | Path) -> list[Remark]:
             section = get_text(file, "format") == SECTION_FILE.format
             known: ObjectFormat[Any] = SECTION_FILE if section else MODAL_PACKAGE
             findings = identity_notes(path, file, known)
-            layout = known.layout_findings(file)
+            items = contents(file[known.group])
+            layout = known.layout_findings(items)
             findings += layout + _attributes(file, known)
             findings += known.view_findings(file)
             findings += checksum_findings(file, known, whole=True)
             if any(f.level == "error" for f in layout):
                 return findings
-            package = known.load(file, known.kind)
+            package = known.load(items, known.kind)
     except PackageError as error:
         return [Remark("error", "/", str(error).removeprefix(f"{path}: "))]
     content = known.content(package)

@@ -286,8 +286,7 @@ def content_sha256(
 
     for text in preamble:
         item(text.encode("utf-8"))
-    members: dict[str, h5py.HLObject] = {"": group}
-    _collect(group, "", members, 0)
+    members = contents(group)
     for path in sorted(members, key=_name_bytes):
         item(_name_bytes(path))
         member = members.pop(path)  # HDF5 keeps what was read of a dataset until it is closed
@@ -301,14 +300,24 @@ def content_sha256(
     return digest.hexdigest()
 
 
-def _collect(group: h5py.Group, path: str, members: dict[str, h5py.HLObject], depth: int) -> None:
+def contents(group: h5py.Group, path: str = "", depth: int = 0) -> dict[str, h5py.HLObject]:
+    """Return a group and all below it by path, each opened once: that is most of the reading.
+
+    Parameters
+    ----------
+    group : group of the file
+    path : its key in what is returned
+    depth : number of groups around it
+
+    Raises ValueError : groups in groups without end.
+    """
     if depth > MOST_DEEP:
         raise ValueError(f"groups nested deeper than {MOST_DEEP}")
+    found: dict[str, h5py.HLObject] = {path: group}
     for name in group:
-        key = f"{path}/{name}" if path else name
-        members[key] = group[name]
-        if isinstance(members[key], h5py.Group):
-            _collect(members[key], key, members, depth + 1)
+        key, item = f"{path}/{name}" if path else f"{name}", group[name]
+        found |= contents(item, key, depth + 1) if isinstance(item, h5py.Group) else {key: item}
+    return found
 
 
 def _name_bytes(name: str | bytes) -> bytes:

@@ -20,13 +20,14 @@ import numpy as np
 
 from ...errors import PackageError, did_you_mean
 from ...math.arrays import Array, IntArray
-from .container import as_text, get_text, is_text, set_text, text_array
+from .container import as_text, get_text, set_text, text_array
 from .findings import Remark
 from .plain_data import json_table, json_text
 
 Object = TypeVar("Object")
 Sizes = Mapping[str, int]
 Datasets = dict[str, Any]  # by path: arrays, numbers, texts and tables
+Contents = Mapping[str, h5py.HLObject]  # of a group by path, with itself as ""
 
 WORDS = ("unit", "frame", "description")  # attributes of datasets
 WORTH_PACKING = 6000  # bytes; HDF5 adds an index of about 2300 to a compressed dataset
@@ -405,97 +406,95 @@ def _read_dataset(dataset: h5py.Dataset, spec: Data) -> Any:
     return tuple(texts) if spec.shape else texts[0]
 
 
-def read_fields(group: h5py.Group, kind: Callable[..., Object], **given: Any) -> Object:
+def read_fields(items: Contents, kind: Callable[..., Object], at: str = "", **given: Any) -> Object:
     """Return the object of a group with a checked layout; `given` are fields from elsewhere.
 
     Parameters
     ----------
-    group : group of the file
+    items : all below the group of the object, as `contents` returns it
     kind : the dataclass
+    at : path of its group, with a slash at the end
     given : fields from elsewhere
     """
     for field in _fields(kind):
         if isinstance(field.mark, Named):
-            items = list(group[field.mark.path].values()) if field.mark.path in group else []
-            items.sort(key=lambda g: int(g.attrs.get("index", 0)))
+            below = f"{at}{field.mark.path}"
+            names = sorted(
+                items.get(below, ()),
+                key=lambda name: int(items[f"{below}/{name}"].attrs.get("index", 0)),
+            )
             given[field.name] = tuple(
-                read_fields(g, field.item, name=g.name.rsplit("/", 1)[1]) for g in items
+                read_fields(items, field.item, f"{below}/{name}/", name=name) for name in names
             )
     values: Datasets = {}
     for spec in layout(kind):
         if spec.type == "attribute":
-            if text := get_text(group[f"./{spec.place}"], spec.name):
+            if text := get_text(items[f"{at}{spec.place}".rstrip("/")], spec.name):
                 values[spec.path] = text
-        elif spec.path in group:
-            values[spec.path] = _read_dataset(group[spec.path], spec)
+        elif at + spec.path in items:
+            values[spec.path] = _read_dataset(items[at + spec.path], spec)
     return build(kind, values, **given)
 
 
-def layout_findings(group: h5py.Group, kind: type, owner: Sizes | None = None) -> list[Remark]:
+def layout_findings(
+    items: Contents, kind: type, at: str = "", owner: Sizes | None = None
+) -> list[Remark]:
     """Compare the datasets of a group with the format: presence, type, shape.
 
     Parameters
     ----------
-    group : group of the file
+    items : all below the group of the object, as `contents` returns it
     kind : the dataclass
+    at : path of its group, with a slash at the end
     owner : sizes by symbol of the body that owns the group
     """
-    sizes = dict(owner or {})
+    sizes, where, findings = dict(owner or {}), f"{items[''].name}/{at}", list[Remark]()
     for symbol, path in _sized_by(kind).items():
-        if isinstance(group.get(path), h5py.Dataset) and group[path].ndim > 0:
-            sizes[symbol] = group[path].shape[0]
-    wanted = (s for s in layout(kind) if s.type != "attribute")
-    specs = [s for s in wanted if not s.within or s.within in group]
-    findings = _missing_or_mistyped(group, specs) + _misshaped(group, specs, sizes)
-    for parent, (member, _) in named(kind).items():
-        for name in group.get(parent, ()):
-            item = group[parent][name]
-            if isinstance(item, h5py.Group):
-                findings += layout_findings(item, member, sizes)
-            else:
-                findings.append(Remark("error", item.name, "expected a group"))
-    return findings
-
-
-def _missing_or_mistyped(group: h5py.Group, specs: Iterable[Data]) -> list[Remark]:
-    paths: list[str] = []
-    group.visit(paths.append)
-    findings = []
-    for spec in specs:
-        item = group.get(spec.path)
-        if item is None and spec.optional:
+        item = items.get(at + path)
+        if isinstance(item, h5py.Dataset) and item.ndim > 0:
+            sizes[symbol] = item.shape[0]
+    for spec in layout(kind):
+        item = items.get(at + spec.path)
+        if spec.type == "attribute" or (spec.within and at + spec.within not in items):
             continue
-        where = f"{group.name}/{spec.path}"
-        if not isinstance(item, h5py.Dataset):
-            hint = did_you_mean(spec.path, paths)
+        if isinstance(item, h5py.Dataset):
+            text = _fault(spec, item, sizes)
+        elif item is None and spec.optional:
+            continue
+        else:
+            known = [path.removeprefix(at) for path in items if path.startswith(at)]
+            hint = did_you_mean(spec.path, known)
             text = f"missing; expected {spec.stored} {spec.words}{hint}"
-            findings.append(Remark("error", where, text))
-        elif is_text(item) != (spec.stored == "text"):
-            findings.append(Remark("error", where, f"expected {spec.stored}, found {item.dtype}"))
-        elif spec.type in ("int64", "uint8") and item.dtype.kind not in "iu":
-            text = f"expected whole numbers ({spec.type}), found {item.dtype}"
-            findings.append(Remark("error", where, text))
-        elif spec.type == "float64" and item.dtype.kind not in "fiu":
-            findings.append(Remark("error", where, f"expected float64, found {item.dtype}"))
-        elif spec.shape and not item.ndim:
-            text = f"expected shape {spec.words}, found a single value"
-            findings.append(Remark("error", where, text))
+        if text:
+            findings.append(Remark("error", where + spec.path, text))
+    for parent, (member, _) in named(kind).items():
+        for name in items.get(at + parent, ()):
+            below = f"{at}{parent}/{name}"
+            if isinstance(items.get(below), h5py.Group):
+                findings += layout_findings(items, member, f"{below}/", sizes)
+            else:
+                findings.append(Remark("error", f"{where}{parent}/{name}", "expected a group"))
     return findings
 
 
-def _misshaped(group: h5py.Group, specs: Iterable[Data], sizes: Sizes) -> list[Remark]:
-    """Find shapes that differ from the sizes; unknown symbols are not checked, nor scalars."""
+def _fault(spec: Data, item: h5py.Dataset, sizes: Sizes) -> str:
+    """What is wrong with type or shape of a dataset; axes of unknown sizes are not checked."""
+    dtype, shape = item.dtype, item.shape
+    text = h5py.check_string_dtype(dtype) is not None
+    if text != (spec.stored == "text"):
+        return f"expected {spec.stored}, found {dtype}"
+    if spec.type in ("int64", "uint8") and dtype.kind not in "iu":
+        return f"expected whole numbers ({spec.type}), found {dtype}"
+    if spec.type == "float64" and dtype.kind not in "fiu":
+        return f"expected float64, found {dtype}"
+    if spec.shape and not item.ndim:
+        return f"expected shape {spec.words}, found a single value"
     known = {*sizes, *(("c+1",) if "c" in sizes else ())}
-    findings = []
-    for spec in specs:
-        item = group.get(spec.path)
-        symbols = {axis for axis in spec.axes if not axis.isdigit()}
-        if not isinstance(item, h5py.Dataset) or (spec.shape and not item.ndim):
-            continue
-        if symbols <= known and item.shape != (expected := _expected_shape(spec, sizes)):
-            text = f"expected shape {spec.words} = {expected}, found {item.shape}"
-            findings.append(Remark("error", f"{group.name}/{spec.path}", text))
-    return findings
+    if {axis for axis in spec.axes if not axis.isdigit()} <= known:
+        expected = _expected_shape(spec, sizes)
+        if shape != expected:
+            return f"expected shape {spec.words} = {expected}, found {shape}"
+    return ""
 
 
 @dataclass(frozen=True)

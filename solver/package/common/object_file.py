@@ -26,6 +26,7 @@ from ...errors import PackageError
 from ...math.disk_cache import DiskCache, sources_sha256
 from .container import (
     content_sha256,
+    contents,
     get_text,
     kind_of_file,
     new_file,
@@ -33,7 +34,7 @@ from .container import (
     set_long_text,
     set_text,
 )
-from .dataset import encoded, layout_findings, read_fields, write_encoded
+from .dataset import Contents, encoded, layout_findings, read_fields, write_encoded
 from .design import design_findings, read_design, write_design
 from .files import has_seal
 from .findings import Remark, raise_first
@@ -329,13 +330,18 @@ class ObjectFormat(FileFormat, Generic[Object]):
     # Finds numbers that contradict each other, "error", or are suspicious.
     doubts: Callable[[Object], Iterable[Remark]] = lambda _: ()
 
-    def layout_findings(self, file: h5py.File, *, whole: bool = True) -> list[Remark]:
+    def layout_findings(self, items: Contents, *, whole: bool = True) -> list[Remark]:
         """Compare the datasets of a file with the format: presence, type, shape.
 
         Without `whole`, not the derivatives of a file with a seal, which `write_design` compared.
+
+        Parameters
+        ----------
+        items : `contents` of the group
+        whole : compare all derivatives
         """
-        findings, group = layout_findings(file[self.group], self.kind), file[self.group]
-        if self._designed and (whole or not has_seal(Path(file.filename))):
+        findings, group = layout_findings(items, self.kind), items[""]
+        if self._designed and (whole or not has_seal(Path(group.file.filename))):
             findings += design_findings(group)
         return findings
 
@@ -347,16 +353,23 @@ class ObjectFormat(FileFormat, Generic[Object]):
         """Check that ParaView shows the mesh that this reader reads."""
         return view_findings(file, f"{self.group}/mesh", self.nodes)
 
-    def load(self, file: h5py.File, kind: type[Loaded]) -> Loaded:
-        """Read the object of a file with a checked layout, or a part of it, of this kind."""
+    def load(self, items: Contents, kind: type[Loaded]) -> Loaded:
+        """Read the object of a file with a checked layout, or a part of it, of this kind.
+
+        Parameters
+        ----------
+        items : `contents` of the group
+        kind : dataclass of the object or of a part
+        """
+        file = items[""].file
         provenance = get_text(file, "provenance", "{}")
         where = f"{file.filename}: attribute provenance"
         given = {
             self.title: get_text(file, self.title),
             "provenance": json_table(where, provenance),
-            **({"design": read_design(file[self.group])} if self._designed else {}),
+            **({"design": read_design(items[""])} if self._designed else {}),
         }
-        return read_fields(file[self.group], kind, **given)
+        return read_fields(items, kind, **given)
 
 
 def write_object(path: str | Path, known: ObjectFormat[Object], item: Any) -> None:
@@ -419,10 +432,11 @@ def read_object(
         notes = identity_notes(path, file, known)
         for note in notes:
             warnings.warn(note.message, UserWarning, stacklevel=3)
-        raise_first(path, known.layout_findings(file, whole=False))
+        items = contents(file[known.group])
+        raise_first(path, known.layout_findings(items, whole=False))
         raise_first(path, checksum_findings(file, known) + unit_findings(file))
         raise_first(path, known.view_findings(file))
-        item = known.load(file, known.kind)
+        item = known.load(items, known.kind)
     raise_first(path, known.content(item))
     doubtful = [f for f in known.doubts(item) if f.level == "error"]
     if on_doubt is None:

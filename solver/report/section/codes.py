@@ -17,7 +17,7 @@ import numpy as np
 from ...errors import InputError, PackageError, did_you_mean, printable
 from ...inputs.section.vabs import OF_VABS
 from ...math.arrays import Array, IntArray
-from ...package.common.container import open_file
+from ...package.common.container import contents, open_file
 from ...package.common.files import write_text
 from ...package.common.findings import raise_first
 from ...package.common.materials import elastic_from_dict
@@ -200,8 +200,10 @@ def read_results(file: Path) -> SectionResults:
     """Read the numbers of a section file. Raises PackageError for another or a damaged file."""
     with open_file(file, PackageError) as hdf:
         identity_notes(file, hdf, SECTION_FILE)
-        raise_first(file, SECTION_FILE.layout_findings(hdf) + checksum_findings(hdf, SECTION_FILE))
-        results = SECTION_FILE.load(hdf, SectionResults)
+        items = contents(hdf[SECTION_FILE.group])
+        findings = SECTION_FILE.layout_findings(items) + checksum_findings(hdf, SECTION_FILE)
+        raise_first(file, findings)
+        results = SECTION_FILE.load(items, SectionResults)
     check_provenance(file, results.provenance)
     return results
 
