@@ -15,6 +15,9 @@ import pytest
 # Small matrices: threads of the linear algebra only get into each other's way.
 # Set before NumPy is loaded.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+# Commands share the cores with other tests: one that starts a process for each core loads the
+# program, or FEniCSx, as often. Tests of several processes ask for them (`--jobs 2`).
+os.environ.setdefault("PLYMOTION_CORES", "1")
 
 ROOT = Path(__file__).resolve().parent.parent
 

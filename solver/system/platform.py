@@ -25,7 +25,10 @@ if sys.platform != "win32" and POSIX:
 
 
 def cores() -> int:
-    """Return the number of cores that this process may use."""
+    """Return the number of cores that this process may use: PLYMOTION_CORES, or what there is."""
+    asked = os.environ.get("PLYMOTION_CORES", "")
+    if asked.isdecimal():
+        return max(int(asked), 1)
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
