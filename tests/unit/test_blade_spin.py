@@ -33,9 +33,9 @@ def blade_file(folder, **assembly):
 
 @pytest.fixture(scope="module")
 def spun(fenicsx, tmp_path_factory):
-    """Files of a blade with five stations over two speeds, and the same blade of more.
+    """Files of a blade with five stations over two speeds, and of the same blade with seventeen.
 
-    Of nine and of seventeen: frequencies at rest and their errors, as the command has them.
+    And of nine of these: frequencies at rest and their errors, as the command has them.
     """
     folder = tmp_path_factory.mktemp("spun")
     file = blade_file(folder)
@@ -47,14 +47,12 @@ def spun(fenicsx, tmp_path_factory):
         assert main([*words, "--stations", "5", "-o", str(few), "--spin", "0:6:3"]) == 0
         shutil.copytree(few, many)  # has five of the seventeen stations
         assert main([*words, "--stations", "17", "-o", str(many), "--no-estimate"]) == 0
-        stations = analysed(many / "sections", places, dict.fromkeys(places))
-        blade = read_blade(file)
-        known = [frequencies_at_rest(blade, some, quiet=True) for some in (stations[::2], stations)]
-    return few, known
+        nine = analysed(many / "sections", places, dict.fromkeys([*places][::2]))
+        return few, many, frequencies_at_rest(read_blade(file), nine, quiet=True)
 
 
 def test_one_command_gives_frequencies_over_speed(spun):
-    few, _ = spun
+    few, *_ = spun
     at_rest = [row["frequency_hz"] for row in rows(few / "frequencies.csv")]
     assert len(at_rest) == 6
     assert np.all(np.diff(at_rest) > 0.0)
@@ -74,8 +72,9 @@ def test_one_command_gives_frequencies_over_speed(spun):
 
 def test_errors_of_frequencies_are_estimated_by_cause(spun):
     """The errors of five and of nine stations, by the frequencies of seventeen."""
-    few, ((nine, errors), (denser, _)) = spun
+    few, many, (nine, errors) = spun
     estimated = rows(few / "frequencies.csv")
+    denser = [row["frequency_hz"] for row in rows(many / "frequencies.csv")]
     assert errors.keys() == {"stations", "elements"}  # the sections have no estimate
     for k in range(2):
         error = abs(nine[k] / denser[k] - 1.0)
@@ -89,7 +88,7 @@ def test_errors_of_frequencies_are_estimated_by_cause(spun):
 
 
 def test_the_blade_stands_on_the_hub_of_the_file(spun):
-    few, _ = spun
+    few, *_ = spun
     case = tomllib.loads((few / "case.toml").read_text(encoding="utf-8"))
     blade = case["bodies"]["blade"]
     angle = np.radians(5.0)
