@@ -364,7 +364,7 @@ class ObjectFormat(FileFormat, Generic[Object]):
         file = items[""].file
         provenance = get_text(file, "provenance", "{}")
         where = f"{file.filename}: attribute provenance"
-        given = {
+        given: dict[str, Any] = {
             self.title: get_text(file, self.title),
             "provenance": json_table(where, provenance),
             **({"design": read_design(items[""])} if self._designed else {}),
