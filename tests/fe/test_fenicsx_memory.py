@@ -76,12 +76,12 @@ from plymotion.preprocess.section.space.section_mesh import section_mesh
 
 spec = section("21_box_layup2")
 mesh = section_mesh(spec["mesh"], "section")
-for number in range(25):
+for number in range(13):
     if number == 5:
         before = resource.getrusage(resource.RUSAGE_SELF).ru_minflt
     problem = SectionProblem(replace(mesh, cells=replace(mesh.cells)), 2)
     problem.solve(layup(spec, mesh, problem.space, "section").stiffness)
-print((resource.getrusage(resource.RUSAGE_SELF).ru_minflt - before) / 20)
+print((resource.getrusage(resource.RUSAGE_SELF).ru_minflt - before) / 8)
 """
 
 
