@@ -14,6 +14,7 @@ from plymotion.solver.integrators import step_loop
 from plymotion.solver.integrators.generalized_alpha import GeneralizedAlpha
 from plymotion.solver.integrators.generic.drive import StopRequest, integrate
 from plymotion.solver.integrators.radau import Radau
+from plymotion.solver.math.compiled import COMPILED
 from plymotion.solver.math.laws import polynomial
 from plymotion.solver.mechanism.assembly import assemble_model
 from plymotion.solver.mechanism.tables import ForceTable, MarkerTable, rigid_body
@@ -239,43 +240,36 @@ def test_without_blocks_the_norm_is_over_all():
     assert integrate(Radau(model, 0.0, y0, 0.1, block_starts=None), [0.1]).status == "finished"
 
 
-CODE = """
+def motions():
+    """Whether it was compiled, and the motion of a driven flexible pair by each kind of loop."""
+    rows = []
+    implicit = ("generalized-alpha", "ggl")
+    explicit = ("rk8", "projection")
+    for name, treatment in (("radau", "projection"), ("radau", "baumgarte"), implicit, explicit):
+        sample = two_bodies(400.0, drive=polynomial([0.0, 0.0, 3.0]))
+        model, y0 = prepared(sample, Treatment(treatment))
+        made = new_run(model, y0, Treatment(treatment), name, 0.2, rtol=1e-5, atol=1e-7)
+        done = integrate(made, np.linspace(0.0, 0.2, 6))
+        assert done.status == "finished", done.message
+        rows.append(done.y.tolist())
+    return COMPILED, rows
+
+
+PLAIN = """
 import json, sys
 sys.path[:0] = sys.argv[1:]
-import numpy as np
-from samples.constraint_runs import new_run, prepared
-from samples.two_body_samples import two_bodies
-from plymotion.solver.math.compiled import COMPILED
-from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
-from plymotion.solver.integrators.generic.drive import integrate
-from plymotion.solver.math.laws import polynomial
-rows = []
-implicit = ("generalized-alpha", "ggl")
-for name, treatment in (("radau", "projection"), ("radau", "baumgarte"), implicit):
-    sample = two_bodies(400.0, drive=polynomial([0.0, 0.0, 3.0]))
-    model, y0 = prepared(sample, Treatment(treatment))
-    made = new_run(model, y0, Treatment(treatment), name, 0.2, rtol=1e-5, atol=1e-7)
-    done = integrate(made, np.linspace(0.0, 0.2, 6))
-    assert done.status == "finished", done.message
-    rows.append(done.y.tolist())
-print(json.dumps([COMPILED, rows]))
+from unit.test_step_loop_contract import motions
+print(json.dumps(motions()))
 """
 
 
 def test_compiled_loops_give_the_same_motion(repository):
+    """The compiled path and plain NumPy are one set of formulas."""
     pytest.importorskip("numba")
-    found = []
-    for flag in ("0", "1"):
-        done = this_python(
-            "-c",
-            CODE,
-            repository / "tests",
-            repository / "benchmarks",
-            more={"PLYMOTION_COMPILED": flag},
-        )
-        assert done.returncode == 0, done.stderr
-        compiled, rows = json.loads(done.stdout)
-        assert compiled == (flag == "1")
-        found.append(rows)
-    for plain, compiled in zip(*found, strict=True):
+    folders = repository / "tests", repository / "benchmarks"
+    done = this_python("-c", PLAIN, *folders, more={"PLYMOTION_COMPILED": "0"})
+    assert done.returncode == 0, done.stderr
+    found = json.loads(done.stdout), motions()
+    assert [compiled for compiled, _ in found] == [False, True]
+    for plain, compiled in zip(*(rows for _, rows in found), strict=True):
         np.testing.assert_allclose(plain, compiled, atol=1e-10)
