@@ -9,7 +9,8 @@ from dataclasses import replace
 from ..solver.package.body.package_schema import ModalPackage, SectionData
 from ..solver.package.common.design import moved
 from ..solver.package.common.plain_data import SpecError, canonical, toml_text
-from ..solver.package.section.section_schema import SectionFile, SectionRecovery
+from ..solver.package.common.recovery_schema import SectionRecovery
+from ..solver.package.section.section_schema import SectionFile
 from ..solver.package.section.stress import thinned
 from .beam.beam_body import (
     BeamModel,

@@ -11,13 +11,9 @@ from ..solver.inputs.section.specification import BUILD
 from ..solver.inputs.section.study import described_spec
 from ..solver.math.arrays import Array
 from ..solver.package.common.plain_data import data_sha256, plain
+from ..solver.package.common.recovery_schema import CORNERS, RESULTANTS
 from ..solver.package.section.section_file import read_section
-from ..solver.package.section.section_schema import (
-    CORNERS,
-    RESULTANTS,
-    SectionFile,
-    SectionMeshData,
-)
+from ..solver.package.section.section_schema import SectionFile, SectionMeshData
 from ..solver.report.section.codes import SectionResults, read_results
 from ..solver.workers.described import Entry, made_file
 from .result import named

@@ -10,7 +10,8 @@ from ...solver.math.arrays import Array
 from ...solver.math.laws import lengths_along
 from ...solver.package.body.package_schema import SectionData
 from ...solver.package.common.plain_data import SpecError
-from ...solver.package.section.section_schema import SectionFile, SectionRecovery
+from ...solver.package.common.recovery_schema import SectionRecovery
+from ...solver.package.section.section_schema import SectionFile
 from ...solver.package.section.stress import trapeze_strains
 from .line import BeamLine, LineSection
 

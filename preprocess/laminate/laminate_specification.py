@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 from ...solver.errors import check_keys, did_you_mean
 from ...solver.package.body.package_schema import LaminateData
 from ...solver.package.common.materials import Orthotropic
-from ...solver.package.shell.shell_schema import ShellPly
+from ...solver.package.common.recovery_schema import ShellPly
 from .stiffness import (
     Lamina,
     Laminate,

@@ -19,7 +19,8 @@ from scipy.linalg import LinAlgError, solve_continuous_are
 
 from ...solver.math.arrays import Array
 from ...solver.package.common.materials import bond
-from ...solver.package.section.section_schema import SectionMeshData, SectionRecovery
+from ...solver.package.common.recovery_schema import SectionRecovery
+from ...solver.package.section.section_schema import SectionMeshData
 from .helical import CentralSolutions, TwistedStrains
 from .section_specification import SectionError
 from .space.layers import Layup

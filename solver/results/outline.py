@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..math.arrays import Array, IntArray, distinct
-from ..package.section.section_schema import SectionRecovery
+from ..package.common.recovery_schema import SectionRecovery
 
 SAME = 0.1  # corners closer than this part of the shortest edge are one
 SMALL = 1e-6  # shortest edge of a cell, over the size of the section

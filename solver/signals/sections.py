@@ -24,7 +24,7 @@ from ..math.rotations import skew, vectors_to_matrices
 from ..mechanism.built import BuiltMechanism
 from ..package import ModalPackage
 from ..package.body.package_schema import BodyRecovery
-from ..package.section.section_schema import RESULTANTS, STRESSES, Ply, SectionRecovery
+from ..package.common.recovery_schema import RESULTANTS, STRESSES, Ply, SectionRecovery
 from ..strength.beam_bodies import unit_stress_M
 from ..strength.fatigue import StressLife, check_rainflow
 

@@ -10,7 +10,7 @@ from ..errors import InputError, nearest
 from ..math.arrays import Array, IntArray
 from ..package import ModalPackage
 from ..package.body.package_schema import CellResultants, LaminateData
-from ..package.section.section_schema import SectionRecovery
+from ..package.common.recovery_schema import SectionRecovery
 from ..strength.beam_bodies import material_searches
 from ..strength.search import Place, envelope, exposures_at, governing
 from ..strength.shell_bodies import cell_centres, ply_searches, stressed_cells

@@ -15,7 +15,7 @@ import numpy as np
 from ..math.arrays import Array, IntArray
 from ..package.body.package_schema import BodyRecovery, ModalPackage
 from ..package.common.materials import PlyStrength, YieldStrength
-from ..package.section.section_schema import Ply, SectionRecovery
+from ..package.common.recovery_schema import Ply, SectionRecovery
 from ..package.section.stress import strengths
 from . import Criterion, criteria_of
 from .found import BodyStrength, CriticalPoint, ranked

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..math.arrays import Array
 from ..package.common.materials import PlyStrength, YieldStrength
-from ..package.section.section_schema import STRESSES, Ply
+from ..package.common.recovery_schema import STRESSES, Ply
 from . import Criterion, criteria_of
 from .search import PeakSearch
 

@@ -20,9 +20,8 @@ from ..math.arrays import Array, IntArray, distinct
 from ..package.body.package_schema import CellResultants, LaminateData, ModalPackage
 from ..package.common.cells import cell_table, centres
 from ..package.common.materials import material_from_dict
-from ..package.section.section_schema import Ply
+from ..package.common.recovery_schema import LEVELS, Ply, ShellPly
 from ..package.section.stress import strengths
-from ..package.shell.shell_schema import LEVELS, ShellPly
 from . import criteria_of
 from .beam_bodies import BeamSearch, beam_search
 from .found import BodyStrength, CriticalPoint, ranked

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from plymotion.preprocess.section.section_analysis import analyse
-from plymotion.solver.package.section.section_schema import STRESSES, SectionFile
+from plymotion.solver.package.common.recovery_schema import STRESSES
+from plymotion.solver.package.section.section_schema import SectionFile
 
 FOLDER = Path(__file__).resolve().parent.parent / "reference" / "sections"
 DIRECTIONS = {"top": [1, 0], "right": [0, -1], "bottom": [-1, 0], "left": [0, 1]}

@@ -8,7 +8,7 @@ from samples.recovery_samples import STEEL, STEEL_STRENGTH
 
 from plymotion.solver.package import Interface, ModalPackage, from_stations
 from plymotion.solver.package.body.package_schema import CellResultants, FaceStresses, LaminateData
-from plymotion.solver.package.shell.shell_schema import ShellPly
+from plymotion.solver.package.common.recovery_schema import ShellPly
 
 WIDTH, THICKNESS = 0.08, 0.01
 E = STEEL["E"]

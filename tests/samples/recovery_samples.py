@@ -13,7 +13,7 @@ from plymotion.preprocess.beam.line import BeamLine
 from plymotion.preprocess.beam.mode_fields import shape_resultants
 from plymotion.solver.package.body.package_schema import BodyRecovery
 from plymotion.solver.package.common.materials import PlyStrength, bond, material_from_dict
-from plymotion.solver.package.section.section_schema import Ply, SectionRecovery
+from plymotion.solver.package.common.recovery_schema import Ply, SectionRecovery
 from plymotion.solver.strength import CRITERIA
 
 PLY = {

@@ -9,12 +9,8 @@ import dataclasses
 import numpy as np
 
 from plymotion.solver.package.common.materials import bond, isotropic
-from plymotion.solver.package.section.section_schema import (
-    Ply,
-    SectionFile,
-    SectionMeshData,
-    SectionRecovery,
-)
+from plymotion.solver.package.common.recovery_schema import Ply, SectionRecovery
+from plymotion.solver.package.section.section_schema import SectionFile, SectionMeshData
 
 E_MODULUS, DENSITY = 70e9, 2700.0
 G_MODULUS = E_MODULUS / 2.0

@@ -15,6 +15,7 @@ from plymotion.preprocess.laminate.stiffness import (
     stress_operators,
 )
 from plymotion.solver.package.common.materials import Orthotropic
+from plymotion.solver.package.common.recovery_schema import ShellPly
 from plymotion.solver.package.shell.shell_schema import (
     ShellBuckling,
     ShellCases,
@@ -24,7 +25,6 @@ from plymotion.solver.package.shell.shell_schema import (
     ShellMeshData,
     ShellModes,
     ShellPlaces,
-    ShellPly,
     ShellProbes,
 )
 

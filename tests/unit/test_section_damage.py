@@ -23,8 +23,9 @@ from samples.vtk_samples import grid_of
 
 from plymotion.solver.errors import PackageError
 from plymotion.solver.package import read_package, validate, write_package
+from plymotion.solver.package.common.recovery_schema import Ply
 from plymotion.solver.package.section.section_file import read_section, write_section
-from plymotion.solver.package.section.section_schema import SECTION_FORMAT_VERSION, Ply, SectionFile
+from plymotion.solver.package.section.section_schema import SECTION_FORMAT_VERSION, SectionFile
 
 ROOT = Path(__file__).resolve().parents[2]
 

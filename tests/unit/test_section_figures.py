@@ -9,7 +9,8 @@ from matplotlib.image import imread
 from samples.section_samples import rectangle
 
 from plymotion.solver.package.common.files import RECORD
-from plymotion.solver.package.section.section_schema import Ply, SectionFile
+from plymotion.solver.package.common.recovery_schema import Ply
+from plymotion.solver.package.section.section_schema import SectionFile
 from plymotion.solver.package.section.stress import cell_means, unit_stress
 from plymotion.solver.report.section.drawing import CellField, detail_of, ply_colours, shape_of
 from plymotion.solver.report.section.section_figures import draw_section, shear_flow

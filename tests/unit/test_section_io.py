@@ -12,8 +12,8 @@ from samples.section_samples import rectangle, with_recovery
 from samples.vtk_samples import grid_of
 
 from plymotion.solver.package import validate
+from plymotion.solver.package.common.recovery_schema import RESULTANTS
 from plymotion.solver.package.section.section_file import read_section, write_section
-from plymotion.solver.package.section.section_schema import RESULTANTS
 from plymotion.solver.package.section.stress import cell_means, resultants, unit_stress
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from plymotion.solver.package.section.section_schema import SectionRecovery
+from plymotion.solver.package.common.recovery_schema import SectionRecovery
 from plymotion.solver.package.section.stress import trapeze_strains
 
 # Four stiff strips around a soft core: no symmetry. Positions, areas, moduli along the bar.

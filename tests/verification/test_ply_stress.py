@@ -25,7 +25,7 @@ from plymotion.preprocess.beam.beam_specification import read_spec
 from plymotion.preprocess.beam.element import Q, Z
 from plymotion.preprocess.beam.line import BeamLine, LineSection, section_axes
 from plymotion.solver.package import ModalPackage, SectionData, validate, write_package
-from plymotion.solver.package.section.section_schema import SectionRecovery
+from plymotion.solver.package.common.recovery_schema import SectionRecovery
 from plymotion.solver.package.section.stress import strengths
 from plymotion.solver.strength import criteria_of
 from plymotion.solver.strength.beam_bodies import resultants

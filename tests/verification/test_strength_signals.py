@@ -25,7 +25,7 @@ from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.mechanism.build import build
 from plymotion.solver.mechanism.built import BuiltMechanism
 from plymotion.solver.package import ModalPackage
-from plymotion.solver.package.section.section_schema import SectionRecovery
+from plymotion.solver.package.common.recovery_schema import SectionRecovery
 from plymotion.solver.package.section.stress import strengths
 from plymotion.solver.run.execution import read_run
 from plymotion.solver.signals import Recording, sensors

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ....solver.errors import coded, did_you_mean, few
 from ....solver.math.arrays import Array
 from ....solver.package.common.materials import Anisotropic, Orthotropic, elastic_from_dict, rotated
-from ....solver.package.section.section_schema import Ply
+from ....solver.package.common.recovery_schema import Ply
 from ..section_specification import OF_MESH, SectionError
 from .section_mesh import SectionMesh
 from .space import SectionSpace

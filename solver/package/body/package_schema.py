@@ -18,8 +18,7 @@ from typing import Annotated, Any, get_args
 from ...math.arrays import Array, IntArray
 from ..common.dataset import Attribute, Data, Named, Nested, Rows
 from ..common.design import Derivative
-from ..section.section_schema import SectionRecovery
-from ..shell.shell_schema import ShellPly
+from ..common.recovery_schema import SectionRecovery, ShellPly
 from ..specification import FORMAT_VERSION as FORMAT_VERSION
 from ..specification import MassForm, ReferenceKind
 

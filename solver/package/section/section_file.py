@@ -18,8 +18,9 @@ from ..common.findings import (
     symmetric,
 )
 from ..common.object_file import ObjectFormat, read_object, write_object
+from ..common.recovery_schema import RESULTANTS
 from ..common.vtk_view import create_grid, describe, part_view, plane_view
-from .section_schema import RESULTANTS, SECTION_FORMAT, SECTION_FORMAT_VERSION, SectionFile
+from .section_schema import SECTION_FORMAT, SECTION_FORMAT_VERSION, SectionFile
 from .stress import cell_means, check_recovery, unit_resultants_findings, unit_stress
 
 # Nodes of the plane cells that a section file may hold, by VTK cell type.

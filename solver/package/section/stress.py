@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +11,10 @@ from ...errors import did_you_mean
 from ...math.arrays import Array, IntArray, distinct
 from ..common.findings import Remark, Reporter, positive_definite, rotations, rows_of, symmetric
 from ..common.materials import MaterialError, PlyStrength, YieldStrength, bond, read_strength
-from .section_schema import CORNERS, RESULTANTS, SectionFile, SectionMeshData, SectionRecovery
+from ..common.recovery_schema import CORNERS, RESULTANTS, SectionRecovery
+
+if TYPE_CHECKING:
+    from .section_schema import SectionFile, SectionMeshData
 
 KEPT_BITS = 21  # significant bits: a relative error below 5e-7; with sign and exponent four bytes
 
@@ -121,7 +124,7 @@ def unit_stress(recovery: SectionRecovery) -> Array:
     return np.asarray(bond(recovery.A_BM) @ stress_M)
 
 
-def cell_means(section: SectionFile, values: Array) -> Array:
+def cell_means(section: "SectionFile", values: Array) -> Array:
     """Mean over each cell of values at the integration points, (p, ...) to (c, ...)."""
     recovery, n_cell = section.recovery, len(section.mesh.cell_types)
     sums, weights = np.zeros((n_cell, values[0].size)), np.zeros(n_cell)
@@ -213,7 +216,7 @@ ANGLE_DEG = 195.0  # inside the material, above which a corner counts
 WHOLE_DEG = 359.0  # above it a node lies inside the material
 
 
-def reentrant_corners(mesh: SectionMeshData) -> tuple[IntArray, Array]:
+def reentrant_corners(mesh: "SectionMeshData") -> tuple[IntArray, Array]:
     """Nodes (k,) on the boundary with more than 195 deg of material around them.
 
     Returns
@@ -242,7 +245,7 @@ def reentrant_corners(mesh: SectionMeshData) -> tuple[IntArray, Array]:
     return reentrant, size[reentrant]
 
 
-def near_corner(mesh: SectionMeshData, points: Array, distance: float) -> NDArray[np.bool_]:
+def near_corner(mesh: "SectionMeshData", points: Array, distance: float) -> NDArray[np.bool_]:
     """True for points (p, 2) nearer than `distance` [m] to a re-entrant corner, (p,).
 
     Parameters

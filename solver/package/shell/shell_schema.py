@@ -20,6 +20,7 @@ from ...errors import PackageError
 from ...math.arrays import Array, IntArray
 from ..common.cells import QUADRILATERAL, TRIANGLE, cell_table, vtk_cells
 from ..common.dataset import Data, Nested, Reported, Rows
+from ..common.recovery_schema import ShellPly
 
 SHELL_FORMAT = "plymotion shell"
 SHELL_FORMAT_VERSION = (1, 2)
@@ -27,7 +28,6 @@ SHELL_FORMAT_VERSION = (1, 2)
 SHELL_RESULTANTS = ("N11", "N22", "N12", "M11", "M22", "M12", "T1", "T2")
 SHELL_MOTIONS = ("ux", "uy", "uz", "rx", "ry", "rz")
 SHELL_STRESSES = ("11", "22", "33", "23", "13", "12")
-LEVELS = ("bottom", "middle", "top")  # of a ply
 
 
 @dataclass(frozen=True)
@@ -71,16 +71,6 @@ class ShellMeshData:
         Array, Data("c, 3, 3", "-", "E to G", "rotation, axes of cell and laminate to G")
     ]
     area: Annotated[Array, Data("c", "m2", "-", "area of each cell")]
-
-
-@dataclass(frozen=True)
-class ShellPly:
-    """One ply of a laminate."""
-
-    material: Annotated[str, Data(text="name of the ply's material")]
-    angle_deg: Annotated[float, Data("", "deg", "E", "fibre angle from e1 towards e2")]
-    bottom: Annotated[float, Data("", "m", "E", "height of the lower face along e3")]
-    top: Annotated[float, Data("", "m", "E", "height of the upper face along e3")]
 
 
 @dataclass(frozen=True)

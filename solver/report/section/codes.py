@@ -22,9 +22,10 @@ from ...package.common.files import write_text
 from ...package.common.findings import raise_first
 from ...package.common.materials import elastic_from_dict
 from ...package.common.object_file import check_provenance, checksum_findings, identity_notes
+from ...package.common.recovery_schema import CORNERS
 from ...package.section.codes import AXES, CODES, OF_BLADES, OF_MESHES
 from ...package.section.section_file import SECTION_FILE, read_section
-from ...package.section.section_schema import CORNERS, SectionFile, SectionProperties
+from ...package.section.section_schema import SectionFile, SectionProperties
 
 # Blade axes of BeamDyn (x to the suction side, y to the trailing edge, z from root to tip) for
 # sections whose x3 points to the suction side. With x2 to the trailing edge, as in airfoil

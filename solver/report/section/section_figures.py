@@ -13,7 +13,8 @@ from matplotlib.patches import Rectangle
 from matplotlib.patheffects import withStroke
 
 from ...math.arrays import Array
-from ...package.section.section_schema import RESULTANTS, SectionFile
+from ...package.common.recovery_schema import RESULTANTS
+from ...package.section.section_schema import SectionFile
 from ...package.section.stress import cell_means, unit_stress
 from ..style import GREY, INK, WARNING, Canvas, house_style, plain_words
 from .drawing import (

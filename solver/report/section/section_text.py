@@ -12,14 +12,8 @@ from numpy.typing import NDArray
 from ...math.arrays import Array
 from ...package.common.files import write_text
 from ...package.common.plain_data import cell_text, csv_text
-from ...package.section.section_schema import (
-    RESULTANTS,
-    STRESSES,
-    Ply,
-    SectionFile,
-    SectionMeshData,
-    SectionRecovery,
-)
+from ...package.common.recovery_schema import RESULTANTS, STRESSES, Ply, SectionRecovery
+from ...package.section.section_schema import SectionFile, SectionMeshData
 from ...package.section.stress import near_corner, reentrant_corners, strengths
 from ...strength.beam_bodies import unit_stress_M
 from ...strength.found import Reserve, least_reserves
