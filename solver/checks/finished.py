@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -113,8 +113,7 @@ class Past:
         return self.balance.value / self.energy_in_play if self.balance.value > rounding else 0.0
 
 
-@dataclass(frozen=True)
-class Look:
+class Look(NamedTuple):
     """Number of output times, at most, that each check looks at; None: all.
 
     A sweep looks at fewer, never with fewer checks. The search for the worst instant of stiffening

@@ -1,7 +1,7 @@
 """The judgement of a run: every check in order, for single runs and members of sweeps alike."""
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from ..results.codes import Finding
 from ..strength.found import BodyStrength
@@ -31,8 +31,7 @@ CHECKS: tuple[Check, ...] = (
 )
 
 
-@dataclass(frozen=True)
-class Judgement:
+class Judgement(NamedTuple):
     """What the checks say of a run."""
 
     findings: tuple[Finding, ...]

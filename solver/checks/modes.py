@@ -1,8 +1,8 @@
 """Checks of the vibration modes of bodies: enough of them, damping, elastic rotations."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from math import ceil, tau
+from typing import NamedTuple
 
 import numpy as np
 
@@ -31,8 +31,7 @@ DIRECTIONS = {
 SECOND = {"bending-xy": 0.0255, "bending-xz": 0.0255, "torsion": 1.0 / 9.0, "axial": 1.0 / 9.0}
 
 
-@dataclass(frozen=True)
-class _Family:
+class _Family(NamedTuple):
     """Vibrations of one kind, in the order of their frequencies."""
 
     name: str

@@ -7,6 +7,7 @@ inertia loads and weight (Z0, Z1, G3), and of the forces and moments at its mark
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,8 +30,7 @@ _ALIKE = 1e-6  # directions of motion that are one, relative
 SAME = 1e-3  # difference of spins, relative, that is judged once
 
 
-@dataclass(frozen=True)
-class _Inertia:
+class _Inertia(NamedTuple):
     """Modal tables of a body, with the masses that move with its interfaces."""
 
     M: Array  # (m, m)

@@ -15,7 +15,7 @@ shapes help, before they are there.
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -95,8 +95,7 @@ def unit_motions(package: ModalPackage) -> Array:
     return np.vstack([*own, inertia.reshape(INERTIA, -1)])
 
 
-@dataclass(frozen=True)
-class _Missing:
+class _Missing(NamedTuple):
     """What the modes miss: a share of the strain energy, and loads p (l,) at the instant t [s].
 
     `mean` (l, l) is the mean of p p', of the start and of the run where they miss much; `G` and
@@ -207,7 +206,7 @@ def _missing(
         if share > worst.share:
             k = int(np.argmax([float(a @ G @ a) for a in means]))
             worst = _Missing(share, float(t[k]), means[k], mean, G, C)
-    return replace(worst, mean=missed)
+    return worst._replace(mean=missed)
 
 
 def missed_by_modes(

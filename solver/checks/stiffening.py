@@ -5,7 +5,6 @@ linear body whose geometric stiffness is not small should have been stiffened.
 """
 
 from collections.abc import Iterator
-from dataclasses import replace
 
 import numpy as np
 
@@ -127,7 +126,7 @@ def _of_mass(run: FinishedRun, i: int, t: Array, lowest: Array) -> Iterator[Find
         "segments), helps"
     )
     finding = INDEFINITE.finding(text, body=name, t=float(t[k]), value=float(lowest[k]))
-    yield finding if lost[k] else replace(finding, level="warning")
+    yield finding if lost[k] else finding._replace(level="warning")
 
 
 def _free_mass(model: Model, t: float, y: Array) -> float:

@@ -1,6 +1,5 @@
 """Radau IIA of order 5 for mechanisms: its options, its answer to a stall, its dense output."""
 
-from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -212,7 +211,7 @@ class Radau(ClosingLoop):
         if faint or (self.chattering and energies[0] <= FAINT * energies[1]):
             return
         if not self.stalls:
-            self.stalls = [replace(stall, component=component, rate=rate, remedy=self.on_stall)]
+            self.stalls = [stall._replace(component=component, rate=rate, remedy=self.on_stall)]
         elif self._patience > 0:
             self._patience -= 1
             return
@@ -220,7 +219,7 @@ class Radau(ClosingLoop):
             self._tries.pop(0)
             self._patience = PATIENCE
             self._workspace.clock[codes.CUTOFF] = cutoff
-            self.stalls = [replace(self.stalls[0], cutoff=cutoff)]
+            self.stalls = [self.stalls[0]._replace(cutoff=cutoff)]
 
     def _is_beyond(self, fastest: Turning) -> bool:
         """Return whether the body turns far faster than the start and the drives prescribe."""
@@ -233,7 +232,7 @@ class Radau(ClosingLoop):
         """Attempts that were refused so far, with the component that was most often the reason."""
         blamed = self._workspace.blamed
         component = int(np.argmax(blamed)) if blamed.any() else -1
-        return replace(super().refusals(), component=component)
+        return super().refusals()._replace(component=component)
 
     @property
     def damped_energy(self) -> float:

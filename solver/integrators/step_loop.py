@@ -476,7 +476,7 @@ class StepLoop(StrideMemory):
         """Attempts that were refused so far, with the reasons."""
         why = self._workspace.counts[codes.BECAUSE :]
         newton, rough = int(why[codes.NEWTON]), int(why[codes.TOO_ROUGH])
-        return replace(super().refusals(), newton=newton, rough=rough)
+        return super().refusals()._replace(newton=newton, rough=rough)
 
     def _closes(self) -> bool:
         return False

@@ -8,9 +8,8 @@ import ast
 import inspect
 import pkgutil
 from collections.abc import Callable, Collection, Iterable, Sequence
-from dataclasses import dataclass
 from importlib import import_module
-from typing import Any, Literal, TypeVar
+from typing import Any, Literal, NamedTuple, TypeVar
 
 Thing = TypeVar("Thing")
 
@@ -65,8 +64,7 @@ def by_name(named: Iterable[tuple[str, Thing]], what: str) -> dict[str, Thing]:
     return table
 
 
-@dataclass(frozen=True)
-class Number:
+class Number(NamedTuple):
     """A number: a key of the case file, and an argument of what the kind supplies."""
 
     name: str
@@ -81,8 +79,7 @@ class Number:
     integer: bool = False
 
 
-@dataclass(frozen=True)
-class Three:
+class Three(NamedTuple):
     """Three numbers, 0 or above, along or about the axes of marker one."""
 
     name: str
@@ -91,8 +88,7 @@ class Three:
     required: bool = False  # else: zeros
 
 
-@dataclass(frozen=True)
-class Direction:
+class Direction(NamedTuple):
     """A global direction at the start."""
 
     name: Literal["axis", "axis_1", "axis_2"]
@@ -101,8 +97,7 @@ class Direction:
     absent: bool = False  # may be absent, without default
 
 
-@dataclass(frozen=True)
-class Expression:
+class Expression(NamedTuple):
     """An expression of a case (math/expressions/parse.py)."""
 
     name: str
@@ -112,24 +107,21 @@ class Expression:
     default: str | None = None
 
 
-@dataclass(frozen=True)
-class Expressions:
+class Expressions(NamedTuple):
     """Several expressions; required."""
 
     name: str
     meaning: str  # one line
 
 
-@dataclass(frozen=True)
-class Code:
+class Code(NamedTuple):
     """A function in a Python file; required."""
 
     name: str
     meaning: str  # one line
 
 
-@dataclass(frozen=True)
-class Curve:
+class Curve(NamedTuple):
     """Points of a curve y(x)."""
 
     name: str
@@ -137,8 +129,7 @@ class Curve:
     meaning: str  # one line
 
 
-@dataclass(frozen=True)
-class OfTime:
+class OfTime(NamedTuple):
     """The law of time of a force or torque; may be absent."""
 
     name: str

@@ -14,9 +14,9 @@ import stat
 import time
 import warnings
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from typing import NamedTuple
 
 _ROOT = Path(__file__).resolve().parents[2]  # where solver/, preprocess/ and meshes/ are
 
@@ -78,8 +78,7 @@ _places: dict[tuple[str, str, str | None], Path | None] = {}
 _room: dict[Path, float] = {}  # bytes that this process may write before it looks again
 
 
-@dataclass(frozen=True)
-class DiskCache:
+class DiskCache(NamedTuple):
     """One folder of the cache: $PLYMOTION_CACHE/NAME, or ~/.cache/plymotion/NAME."""
 
     name: str

@@ -10,7 +10,7 @@ Curves are laws of another argument that go on beyond both ends.
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -25,8 +25,7 @@ AT_ONCE = 10_000  # pieces that are compared at once
 SINE_PIECES = 32  # pieces of a sine ramp: acceleration accurate to 1e-11 of its mean
 
 
-@dataclass(frozen=True)
-class Law:
+class Law(NamedTuple):
     """Pieces of one law: their beginnings (k,) [s] and coefficients (k, N_COEFFICIENT).
 
     `expression` (math/expressions/program.py) takes their place where there is one.

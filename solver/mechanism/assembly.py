@@ -70,8 +70,7 @@ def with_points(
         if markers[k].body != index:
             continue
         inv, x, phi = body.invariants, markers[k].x, markers[k].phi
-        body = replace(
-            body,
+        body = body._replace(
             mass=body.mass + m * phi.T @ phi,
             invariants=replace(
                 inv,

@@ -140,7 +140,7 @@ def through_virtual_bodies(
         return moved[k]
 
     own = [
-        replace(j, marker_1=on_virtual_body(j.marker_1), marker_2=on_virtual_body(j.marker_2))
+        j._replace(marker_1=on_virtual_body(j.marker_1), marker_2=on_virtual_body(j.marker_2))
         for j in joints
     ]
     return replace(virtual, joints=own + virtual.joints)
@@ -324,7 +324,7 @@ def _joints_started(
     steps = ceil(max(map(abs, values)) / TURN) if any(values) else 0
     for step in range(1, steps + 1):
         held = build(mechanism, packages, share=step / steps)
-        start = replace(start, positions=assembled(held.model, start, held.joint_names))
+        start = start._replace(positions=assembled(held.model, start, held.joint_names))
     return start
 
 

@@ -2,14 +2,14 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from ..dynamics.model.model import Model
 from ..math.arrays import Array
 from ..package.body.package_schema import Interface, ModalPackage
 
 
-@dataclass(frozen=True)
-class Start:
+class Start(NamedTuple):
     """Approximate positions and given velocities, in the order of the model's coordinates."""
 
     positions: Array  # (n_pos,)
@@ -17,8 +17,7 @@ class Start:
     given: Array  # (n_vel,) bool: True for given velocities, which must be kept
 
 
-@dataclass(frozen=True)
-class BuiltJoint:
+class BuiltJoint(NamedTuple):
     """Position of a joint of the case in the model."""
 
     kind: str

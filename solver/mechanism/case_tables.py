@@ -117,10 +117,10 @@ def wind_laws(mechanism: "Mechanism", wind: "Wind") -> tuple[Law, Law]:
 def shifted(law: Law, by: float) -> Law:
     """Return a law plus a constant."""
     if law.expression is not None:
-        return replace(law, expression=law.expression + constant(by))
+        return law._replace(expression=law.expression + constant(by))
     coefficients = law.coefficients.copy()
     coefficients[:, 0] += by
-    return replace(law, coefficients=coefficients)
+    return law._replace(coefficients=coefficients)
 
 
 def joint_tables(
@@ -373,11 +373,11 @@ def force_tables(mechanism: "Mechanism", places: Places, reader: Reader) -> list
         if given is not None and given.expression is not None:
             tree = expression(given.expression, CaseScope(mechanism), f"forces.{name}.expression")
             if of_time_alone(tree):  # a law: an input of linearised equations and of FMUs
-                table = replace(table, law=laws.of_expression(tree))
+                table = table._replace(law=laws.of_expression(tree))
             else:
-                table = replace(table, size=reader.placed(tree))
+                table = table._replace(size=reader.placed(tree))
         elif given is not None:
-            table = replace(table, law=law_of(given))
+            table = table._replace(law=law_of(given))
         tables.append(table)
     return tables + friction
 

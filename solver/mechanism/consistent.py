@@ -5,6 +5,7 @@ Mechanisms that their joints lock are refused: drives that cannot move, nearly m
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -80,8 +81,7 @@ MOTIONS = 12  # free ones that are tried
 ITERATIONS = 20
 
 
-@dataclass(frozen=True)
-class _Joints:
+class _Joints(NamedTuple):
     """Rows of joints, without those of drives, in one state."""
 
     kept: NDArray[np.bool_]  # (n_c,)

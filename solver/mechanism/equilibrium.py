@@ -7,7 +7,6 @@ therefore ends in a minimum, not in an unstable equilibrium. Following loads hav
 them, the work along the step is used.
 """
 
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -101,7 +100,7 @@ def equilibrium(model: Model, start: Start, body_names: list[str]) -> Start:
         stiffness, directions = np.linalg.eigh(0.5 * (K + K.T))
         if np.max(np.abs(push), initial=0.0) <= BALANCED * max(largest, 1e-12):
             if stiffness.size == 0 or stiffness[0] > -NEUTRAL:
-                return replace(start, positions=positions)
+                return start._replace(positions=positions)
             step = free.Z @ directions[:, 0]
             step *= _NUDGE / float(np.max(np.abs(step) / sizes))
             positions, least, stalled = closed(model, moved(model, positions, step)), np.inf, 0

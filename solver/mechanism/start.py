@@ -1,7 +1,6 @@
 """The state in which a run starts: as given, quasi-static, in equilibrium, or in steady spin."""
 
 from collections.abc import Callable
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -151,7 +150,7 @@ def quasi_static_state(
             shapes, steps = [], []
             continue
         velocities = _velocities_there(model, start, undeformed, y)
-        deformed = replace(start, positions=y[: model.n_pos], velocities=velocities)
+        deformed = start._replace(positions=y[: model.n_pos], velocities=velocities)
         y = consistent_state(model, deformed, joint_names, deforming=joined, moved=True)
         if energies.sum() <= SHAPES_SETTLED**2 * float(combination @ combination):
             break
@@ -300,7 +299,7 @@ def starting_state(
     """
     y = consistent_state(model, start, joint_names)
     if kind == "equilibrium":
-        closed = replace(start, positions=y[: model.n_pos])
+        closed = start._replace(positions=y[: model.n_pos])
         if spin is not None and spin.rate != 0.0:
             if start.velocities.any():
                 raise InputError(

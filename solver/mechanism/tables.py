@@ -2,6 +2,7 @@
 
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
@@ -13,8 +14,7 @@ from ..math.laws import Law
 from ..package.body.package_schema import Invariants, ModalPackage, SecondOrder
 
 
-@dataclass(frozen=True)
-class Body:
+class Body(NamedTuple):
     """Inertia and elasticity of one body, in its own frame; rigid if it has no modes."""
 
     name: str
@@ -79,8 +79,7 @@ class MarkerTable:
     H_psi: Array | None = None  # (3, m, m) second-order rotation vector
 
 
-@dataclass(frozen=True)
-class JointTable:
+class JointTable(NamedTuple):
     """One joint between two markers; kind is a key of `joints.table.KINDS`."""
 
     name: str
@@ -91,8 +90,7 @@ class JointTable:
     parameters: tuple[float, ...] = ()  # numbers of its kind: joints/contract.py
 
 
-@dataclass(frozen=True)
-class ForceTable:
+class ForceTable(NamedTuple):
     """One force element between two markers; kind is a key of `forces.table.KINDS`.
 
     One that acts along a coordinate is no kind of its own: the coordinate says how it acts.
@@ -113,8 +111,7 @@ class ForceTable:
         return self.along >= 0 or self.kind in LOADS
 
 
-@dataclass(frozen=True)
-class RotorTable:
+class RotorTable(NamedTuple):
     """A rotor before its loads, laws and states have numbers."""
 
     forces: tuple[ForceTable, ...]
@@ -152,8 +149,7 @@ Quantity = tuple[str, int]
 MOST_FEEDBACK = 32  # forces in Newton's matrix by a rank of their own: their cost is the square
 
 
-@dataclass(frozen=True)
-class CoordinateTable:
+class CoordinateTable(NamedTuple):
     """A coordinate of two markers; `kind` and `axes` as in model/model.py."""
 
     kind: int
@@ -164,8 +160,7 @@ class CoordinateTable:
     first: float = 0.0  # value near which an angle over many turns starts [rad]
 
 
-@dataclass(frozen=True)
-class StateTable:
+class StateTable(NamedTuple):
     """An auxiliary state.
 
     Attributes
@@ -191,8 +186,7 @@ class StateTable:
     event: tuple[int, float, float] | None = None
 
 
-@dataclass(frozen=True)
-class CouplingRow:
+class CouplingRow(NamedTuple):
     """One equation between coordinates: the sum of ratio times value is zero.
 
     unit : d distance [m], r angle [rad]

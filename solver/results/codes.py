@@ -5,9 +5,8 @@ shells and blades are in these files; the preprocessor does not import this list
 compares codes and limits with its source.
 """
 
-from dataclasses import dataclass
 from math import isnan, nan
-from typing import Any, Literal, TypedDict
+from typing import Any, Literal, NamedTuple, TypedDict
 
 from ..package.common.plausible import ANGLE, MATERIAL, SIZE
 
@@ -30,8 +29,7 @@ class Entry(TypedDict, total=False):
     limit: float
 
 
-@dataclass(frozen=True)
-class Finding:
+class Finding(NamedTuple):
     """What was found, where and when, and how far it is beyond its limit.
 
     `value` and `limit` are in the unit of the code (docs/warnings.md).
@@ -58,8 +56,7 @@ class Finding:
         return cls(entry["code"], entry["message"], **known)
 
 
-@dataclass(frozen=True)
-class Code:
+class Code(NamedTuple):
     """A kind of finding; docs/warnings.md has meaning, threshold and remedy.
 
     `why` says in plain words what ended a run.

@@ -5,7 +5,7 @@ corners: four points of a quadrilateral by the bilinear map through them, those 
 area. Edges that one cell has are the outline.
 """
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -18,8 +18,7 @@ STRAIGHT = 2e-3  # points closer to the line of their neighbours, over the size,
 LONG = 72  # points of a loop at most
 
 
-@dataclass(frozen=True)
-class Outline:
+class Outline(NamedTuple):
     """Closed loops of a section, and triangles of its face."""
 
     points: Array  # (p, 2) x2, x3                              [m]

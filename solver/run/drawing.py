@@ -272,7 +272,7 @@ def _between(known: list[tuple[float, Outline]], x: float) -> Outline:
         np.array([np.interp(x, places, corners[:, a]) for a in (0, 1)]) for corners in (low, high)
     )
     share = (known[near][1].points - low[near]) / (high[near] - low[near])
-    return replace(known[near][1], points=begin + share * (end - begin))
+    return known[near][1]._replace(points=begin + share * (end - begin))
 
 
 def _stations_of_nodes(package: ModalPackage) -> tuple[IntArray, IntArray]:

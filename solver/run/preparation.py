@@ -300,7 +300,7 @@ def integrated(
             k = [note.code for note in prepared.notes].index(CHATTERS.name)
             first = prepared.notes[k]
             text = f"{first.text}. {solution.message}"
-            prepared.notes[k] = replace(first, level="error", text=text)
+            prepared.notes[k] = first._replace(level="error", text=text)
         order = integrator.order
     return prepared.finished(prepared.explained(solution), order, look or Look())
 
@@ -345,7 +345,7 @@ def _unseen(count: int) -> Finding:
         "later ones do not, and narrow forces may be stepped over: give `max_step`, or a smaller "
         "rtol"
     )
-    return replace(BREAKS_UNSEARCHED.finding(text, value=count), limit=float(count))
+    return BREAKS_UNSEARCHED.finding(text, value=count)._replace(limit=float(count))
 
 
 def _chatters(built: BuiltMechanism, program: int, t: float) -> Finding:

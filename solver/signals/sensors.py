@@ -5,8 +5,7 @@ and orientations are counted on the accepted steps.
 """
 
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -203,8 +202,7 @@ def _history(histories: Histories, run: str, name: str) -> Values:
 _AXES = {"x": 0, "y": 1, "z": 2}
 
 
-@dataclass(frozen=True)
-class Sensor:
+class Sensor(NamedTuple):
     """One signal.
 
     Attributes

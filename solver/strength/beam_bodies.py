@@ -8,7 +8,7 @@ that of the motion; more modes reduce it.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -43,8 +43,7 @@ def beam_search(package: ModalPackage) -> "BeamSearch | None":
     return search if search.exposure else None
 
 
-@dataclass(frozen=True)
-class MaterialSearch:
+class MaterialSearch(NamedTuple):
     """The points of one material of a section under one criterion."""
 
     criterion: Criterion

@@ -6,7 +6,6 @@ compression as none. Miner's sum adds count / N over all cycles; failure is expe
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -25,8 +24,7 @@ class Cycles(NamedTuple):
     counts: Array  # 1 or 0.5
 
 
-@dataclass(frozen=True)
-class StressLife:
+class StressLife(NamedTuple):
     """An S-N line: straight between its points, and beyond them, over logarithms of both."""
 
     amplitude: Array  # (n,) descending [Pa]

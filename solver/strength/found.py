@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -14,8 +14,7 @@ from . import Criterion, criteria_of
 from .search import PeakSearch
 
 
-@dataclass(frozen=True)
-class Reserve:
+class Reserve(NamedTuple):
     """Factor on all loads at which a criterion predicts failure, and the place of the failure."""
 
     ratio: float  # strength ratio R; margin of safety R - 1          [-]
@@ -79,8 +78,7 @@ class CriticalPoint:
         return self.reserve.ratio
 
 
-@dataclass(frozen=True)
-class BodyStrength:
+class BodyStrength(NamedTuple):
     """Exposures of a body over a run; `s` counts stations of a beam, strips of a shell."""
 
     station_x: Array  # (s,) positions along the body                           [m]

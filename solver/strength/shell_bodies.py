@@ -11,7 +11,6 @@ order of the bounds, until no bound is above the exposure found. The result is t
 """
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -133,8 +132,7 @@ class _Place(NamedTuple):
     instant: int
 
 
-@dataclass(frozen=True)
-class _Search:
+class _Search(NamedTuple):
     """A ply of a laminate under one criterion; `points` are ply and level."""
 
     laminate_row: int

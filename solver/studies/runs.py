@@ -3,10 +3,10 @@
 import json
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ..errors import InputError, PackageError, few
 from ..inputs.case.messages import ERRORS, out_of_range
@@ -61,8 +61,7 @@ class Outcome:
     errors: list[str] = field(default_factory=list)
 
 
-@dataclass(frozen=True)
-class _Task:
+class _Task(NamedTuple):
     file: Path
     timing: bool
     run: Callable[..., Summary]
@@ -212,7 +211,7 @@ def _by_workers(tasks: list[_Task], jobs: int) -> Iterator[Outcome]:
 
     with passed_to_children(stop, children), pool:
         quiet = {"progress": False, "import_s": 0.0}
-        tasks = [replace(task, run=partial(task.run, **quiet)) for task in tasks]
+        tasks = [task._replace(run=partial(task.run, **quiet)) for task in tasks]
         waiting: set[Future[Outcome]] = {pool.submit(_in_worker, task) for task in tasks}
         while waiting:
             done, waiting = wait(waiting, return_when=FIRST_COMPLETED)

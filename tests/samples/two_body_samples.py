@@ -1,7 +1,5 @@
 """Two flexible bodies of mass points on a hinge and a ball joint, as stiff as a test wants."""
 
-from dataclasses import replace
-
 import numpy as np
 from samples.flexible_samples import Points, body_of, random_points
 from samples.mechanism_samples import GRAVITY, GROUND, Rods, Sample
@@ -60,7 +58,7 @@ def _body(points: Points, stiffness: float | None, damping: float):
         none = np.zeros((points.x.shape[0], 3, 0))
         return body_of(Points(points.m, points.x, none, none, points.J))
     body = body_of(points, stiffness)
-    return replace(body, damping=damping * body.mass)
+    return body._replace(damping=damping * body.mass)
 
 
 def torn() -> Sample:

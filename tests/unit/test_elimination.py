@@ -137,7 +137,7 @@ def _sample(rng, n_mode, *, uncoupled):
         return body
     values, V = eigh(body.stiffness, body.mass)
     body = body_of(replace(points, phi=points.phi @ V, psi=points.psi @ V))
-    return replace(body, mass=np.eye(n_mode), stiffness=np.diag(values), damping=np.diag(values))
+    return body._replace(mass=np.eye(n_mode), stiffness=np.diag(values), damping=np.diag(values))
 
 
 def test_the_same_place_twice_drives_nothing():

@@ -180,7 +180,7 @@ def test_rest_remains(options):
     hanging = replace(
         hanging,
         model=hanging.model._replace(gravity_G=9.81 * along),
-        start=replace(hanging.start, positions=positions),
+        start=hanging.start._replace(positions=positions),
     )
     _, solution = _end(hanging, 2.0, rtol=1e-8, atol=1e-10, **options)
     assert solution.counters.steps + solution.counters.rejected <= 25

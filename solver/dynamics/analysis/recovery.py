@@ -1,7 +1,6 @@
 """Points, deflections, energies, reactions of states, and the scales of a mechanism."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -139,8 +138,7 @@ def speed_of_drives(model: Model, y0: Array, times: Array, length: float) -> flo
     return float(np.fmax.reduce(np.abs(speeds) * arm, axis=None, initial=0.0))
 
 
-@dataclass(frozen=True)
-class History:
+class History(NamedTuple):
     """Quantities along the run at the output times, k of them."""
 
     multipliers: Array  # (k, n_c); for redundant constraints those of least norm
@@ -279,8 +277,7 @@ def acting(model: Model, t: Array, y: Array, multipliers: Array) -> tuple[Array,
     return total, scale
 
 
-@dataclass(frozen=True)
-class MomentumBalance:
+class MomentumBalance(NamedTuple):
     """Error of d(momentum)/dt = sum of loads and reactions, over the largest term in the run."""
 
     linear: float

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from ...dynamics.elements.couplings.table import COUPLINGS
 from ...dynamics.elements.forces.contract import BOTH, ROTATION, Contact, Terms
@@ -360,8 +360,7 @@ def is_smooth(mechanism: "Mechanism") -> bool:
     )
 
 
-@dataclass(frozen=True)
-class StateTerms:
+class StateTerms(NamedTuple):
     """An auxiliary state of a force, as trees."""
 
     name: str
@@ -374,8 +373,7 @@ class StateTerms:
     upwards: bool
 
 
-@dataclass(frozen=True)
-class ForceTerms:
+class ForceTerms(NamedTuple):
     """A force along a coordinate, as trees."""
 
     along: Read

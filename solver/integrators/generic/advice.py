@@ -1,8 +1,8 @@
 """Stalls and refused attempts of a run, and messages about runs that fail or cost too much."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from math import isfinite
+from typing import NamedTuple
 
 import numpy as np
 
@@ -14,8 +14,7 @@ WINDOW = 2000  # attempts between two looks
 OWN = 0.01  # step times rate of a motion, from which on the motion itself asks for such steps
 
 
-@dataclass(frozen=True)
-class Stall:
+class Stall(NamedTuple):
     """A stretch of a run with tiny steps, and what was done about it."""
 
     t: float  # when it was noticed [s]
@@ -27,8 +26,7 @@ class Stall:
     remedy: str = ""  # what a user can do
 
 
-@dataclass(frozen=True)
-class Refusals:
+class Refusals(NamedTuple):
     """Attempts of a run that were refused, and why, as far as the integrator knows."""
 
     attempts: int
@@ -143,8 +141,7 @@ ITERATIONS = 12
 RATE_EVALUATIONS = 2 * ITERATIONS + 1
 
 
-@dataclass(frozen=True)
-class Motion:
+class Motion(NamedTuple):
     """The fastest motion about a state."""
 
     rate: float  # largest modulus of the eigenvalues of df/dy [1/s]

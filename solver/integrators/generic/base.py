@@ -7,7 +7,7 @@ be compiled later without changing the contract.
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any, ClassVar
 
@@ -399,8 +399,8 @@ class Integrator(ABC):
             fastest = self.fastest_motion()
             if not self.vibrates and fastest.rate * stall.step > OWN:
                 return
-            stall = replace(stall, component=fastest.component, rate=fastest.rate)
-            self.stalls.append(replace(stall, remedy=self.on_stall))
+            stall = stall._replace(component=fastest.component, rate=fastest.rate)
+            self.stalls.append(stall._replace(remedy=self.on_stall))
 
     @property
     def damped_energy(self) -> float:

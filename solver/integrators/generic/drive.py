@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -15,8 +15,7 @@ from .output import Output, requested_times
 MOST_NOTED = 200  # steps noted one by one before they are looked at
 
 
-@dataclass(frozen=True)
-class StopRequest:
+class StopRequest(NamedTuple):
     """Ask the run to end at t_stop, inside one of the steps just taken."""
 
     t_stop: float  # [s]

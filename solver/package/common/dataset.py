@@ -10,10 +10,10 @@ its first axis defines the size; groups of named members take the sizes of the b
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from functools import cache
 from types import NoneType
-from typing import Annotated, Any, TypeVar, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, NamedTuple, TypeVar, get_args, get_origin, get_type_hints
 
 import h5py
 import numpy as np
@@ -33,8 +33,7 @@ WORDS = ("unit", "frame", "description")  # attributes of datasets
 WORTH_PACKING = 6000  # bytes; HDF5 adds an index of about 2300 to a compressed dataset
 
 
-@dataclass(frozen=True)
-class Data:
+class Data(NamedTuple):
     """A dataset: of a field, or complete as one of a layout."""
 
     shape: str = ""  # as "m, n, 6"
@@ -75,15 +74,13 @@ class Data:
         return f"({self.shape})" if self.shape else "scalar"
 
 
-@dataclass(frozen=True)
-class Attribute:
+class Attribute(NamedTuple):
     """A text attribute of the group."""
 
     default: str = ""
 
 
-@dataclass(frozen=True)
-class Nested:
+class Nested(NamedTuple):
     """A dataclass of its own, in a group or without one; `via` has the form in which it is stored.
 
     `via` is a dataclass with the classmethod `of`, which takes the value, and `value`, the inverse.
@@ -94,24 +91,21 @@ class Nested:
     packed: bool = False  # large datasets are compressed
 
 
-@dataclass(frozen=True)
-class Rows:
+class Rows(NamedTuple):
     """Dataclasses of the same kind as a table: a dataset for each of their fields."""
 
     path: str
     size: str
 
 
-@dataclass(frozen=True)
-class Named:
+class Named(NamedTuple):
     """Dataclasses of the same kind: a group for each, by its name; in order by `index`."""
 
     path: str
     packed: bool = False
 
 
-@dataclass(frozen=True)
-class _Field:
+class _Field(NamedTuple):
     name: str
     base: Any  # type of the value, if it is not None
     mark: Any
@@ -163,16 +157,16 @@ def layout(kind: Any, at: str = "", packed: bool = False) -> tuple[Data, ...]:
             table = dict in (get_origin(field.base), *map(get_origin, get_args(field.base)))
             kind_ = mark.type or _TYPES.get(field.base, "json" if table else "text")
             path, optional = at + (mark.path or field.name), mark.optional or field.optional
-            datasets.append(replace(mark, path=path, type=kind_, optional=optional, packed=packed))
+            datasets.append(mark._replace(path=path, type=kind_, optional=optional, packed=packed))
         elif isinstance(mark, Attribute):
             datasets.append(Data(path=at + field.name, type="attribute", optional=True))
         elif isinstance(mark, Nested):
             specs = layout(mark.via or field.base, _below(at, mark.path), packed or mark.packed)
             group = specs[0].place if field.optional else ""
-            datasets += [replace(s, within=s.within or group) for s in specs]
+            datasets += [s._replace(within=s.within or group) for s in specs]
         elif isinstance(mark, Rows):
             rows = layout(field.item, _below(at, mark.path), packed)
-            datasets += [replace(s, shape=", ".join((mark.size, *s.axes))) for s in rows]
+            datasets += [s._replace(shape=", ".join((mark.size, *s.axes))) for s in rows]
     return tuple(datasets)
 
 

@@ -1,8 +1,8 @@
 """Findings on a file, and checks of arrays that report them."""
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,8 +12,7 @@ from ...math.arrays import REGULAR, Array, IntArray, smallest_eigenvalue
 Reporter = Callable[[str, str], None]  # arguments: dataset and message
 
 
-@dataclass(frozen=True)
-class Remark:
+class Remark(NamedTuple):
     """One remark on a package."""
 
     level: str  # error (unusable), warning (suspicious) or note

@@ -15,7 +15,7 @@ R, with R the smallest factor on the stress at which it fails. It is proportiona
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -77,8 +77,7 @@ def governing(modes: tuple[str, ...], exposures: list[Array], indices: list[Arra
 Assess = Callable[[Array, Any], Verdict]
 
 
-@dataclass(frozen=True)
-class Criterion:
+class Criterion(NamedTuple):
     """A failure criterion.
 
     Attributes

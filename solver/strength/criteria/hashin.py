@@ -12,7 +12,7 @@ with s = s22 + s33 and the shear along the fibre t = (s12/S12)^2 + (s13/S13)^2
 removes one square from the last condition.
 """
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,8 +25,7 @@ from .contract import Criterion, Verdict, exposure, governing
 MODES = ("matrix tension", "matrix compression", "fibre tension", "fibre compression")
 
 
-@dataclass(frozen=True)
-class _Condition:
+class _Condition(NamedTuple):
     """quadratic R^2 + linear R = 1 where `holds`."""
 
     quadratic: Array

@@ -1,8 +1,7 @@
 """`--at`: the state about which a mechanism is linearised."""
 
-from dataclasses import dataclass
 from math import isfinite, nan
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from ...errors import InputError
 
@@ -16,8 +15,7 @@ _EXPECTED = (
 _MOST = 2000  # speeds
 
 
-@dataclass(frozen=True)
-class At:
+class At(NamedTuple):
     """What `--at` says."""
 
     kind: str  # start, equilibrium, time, spin

@@ -183,7 +183,7 @@ def variant(spec: RunSpec, base: Model) -> Variant:
     spin = given_spin(solver)
     y0 = starting_state(built.model, built.start, solver.start, *names, spin, built.light)
     if solver.start == "quasi-static":  # a difference of two needs more digits than a run
-        again = replace(built.start, positions=y0[: built.model.n_pos])
+        again = built.start._replace(positions=y0[: built.model.n_pos])
         y0 = quasi_static_state(built.model, again, y0, *names)
     model = treated(built.model, treatment_of(solver))._replace(redundant=base.redundant)
     return Variant(replace(built, model=model), y0)

@@ -6,8 +6,7 @@ figures and differences of signals follow. CONTRIBUTING.md has the recipe.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 from ....math.arrays import Array
 
@@ -34,8 +33,7 @@ class Places(Protocol):
         """Return the acceleration of the origin (k, 3) [m/s2]."""
 
 
-@dataclass(frozen=True)
-class Motion:
+class Motion(NamedTuple):
     """A motion of a place.
 
     Attributes

@@ -6,8 +6,7 @@ given starting position and over any number of turns. It is one file of this fol
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 from ....math.catalogue import Number
 
@@ -15,8 +14,7 @@ Unit = Literal["rad", "m"]
 ROWS: dict[Unit, str] = {"rad": "r", "m": "d"}  # letters of joints/contract.py
 
 
-@dataclass(frozen=True, kw_only=True)
-class Coupling:
+class Coupling(NamedTuple):
     """A coupling of the case file.
 
     Attributes

@@ -102,8 +102,7 @@ class ForceElement:
     coil: bool = False
 
 
-@dataclass(frozen=True)
-class State:
+class State(NamedTuple):
     """An auxiliary state of a force; expressions as in `Terms`.
 
     Attributes

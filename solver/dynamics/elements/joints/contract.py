@@ -32,7 +32,7 @@ markers have the same axes; their origins are the two places.
 import inspect
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 from ....math.arrays import Array
 from ....math.catalogue import Direction, Number
@@ -122,8 +122,7 @@ class Drive(Constraint):
         self._check(OF_A_LAW)
 
 
-@dataclass(frozen=True)
-class DrivenBy:
+class DrivenBy(NamedTuple):
     """Key of the case file: the law of a drive."""
 
     name: str
