@@ -2,7 +2,7 @@
 
 from abc import ABCMeta
 from collections.abc import Iterable
-from inspect import isabstract, signature
+from inspect import isabstract
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -55,13 +55,8 @@ def _check(kind: type[Integrator]) -> None:
 
 def _options(kind: type[Any]) -> list[str]:
     """Return the options of a class and of those that it derives from."""
-    return [
-        p.name
-        for c in kind.__mro__
-        if "__init__" in vars(c)
-        for p in signature(vars(c)["__init__"]).parameters.values()
-        if p.kind is p.KEYWORD_ONLY
-    ]
+    codes = [getattr(vars(c).get("__init__"), "__code__", None) for c in kind.__mro__]
+    return [n for c in codes if c for n in c.co_varnames[c.co_argcount :][: c.co_kwonlyargcount]]
 
 
 _known = classes_of(_package, _path) + classes_of(

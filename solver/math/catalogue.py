@@ -5,7 +5,6 @@ the files by number; `lazy_names` imports the modules of a package when their na
 """
 
 import ast
-import inspect
 import pkgutil
 from collections.abc import Callable, Collection, Iterable, Sequence
 from importlib import import_module
@@ -162,13 +161,13 @@ def dispatched(on: str, calls: Sequence[Call]) -> Callable[[Function], Function]
         raise ValueError(f"expected functions with names that differ, got {names}")
 
     def decorate(function: Function) -> Function:
-        own = ", ".join(inspect.signature(function).parameters)
+        code = function.__code__
+        own = ", ".join(code.co_varnames[: code.co_argcount])
         lines = [f"def {function.__name__}({own}):"]
         for number, (name, (_, arguments)) in enumerate(zip(names, calls, strict=True)):
             call = f"return {name}({', '.join(arguments)})"
             last = number == len(names) - 1
             lines.append(f"    {call}" if last else f"    if {on} == {number}: {call}")
-        code = function.__code__
         tree = ast.parse("\n".join(lines))
         for node in ast.walk(tree):
             if isinstance(node, ast.stmt | ast.expr | ast.arg):

@@ -31,7 +31,6 @@ rows(one, two, parameters, rows) -> None
     steps do not resolve the element; above it, it is slow.
 """
 
-import inspect
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, ClassVar, NamedTuple
@@ -269,7 +268,8 @@ def _names(key: Key) -> list[str]:
 
 def _check(kind: str, what: str, kernel: Callable[..., Any]) -> None:
     """Raise ValueError unless a kernel takes four arguments."""
-    parameters = tuple(inspect.signature(getattr(kernel, "py_func", kernel)).parameters)
+    code = getattr(kernel, "py_func", kernel).__code__
+    parameters = code.co_varnames[: code.co_argcount]
     if parameters[:3] != OF_ALL or len(parameters) != len(OF_ALL) + 1:
         raise ValueError(f"{kind}: its {what} takes {parameters}: expected {OF_ALL} and one more")
 

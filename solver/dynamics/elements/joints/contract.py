@@ -29,7 +29,6 @@ Markers: z along `axis`, x along `axis_2` if the joint has one. In the given sta
 markers have the same axes; their origins are the two places.
 """
 
-import inspect
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
@@ -90,7 +89,7 @@ class Constraint:
     def _check(self, numbers: tuple[str, ...]) -> None:
         """Raise ValueError unless the kernel takes these numbers."""
         kernel = getattr(self.rows, "py_func", self.rows)
-        parameters = tuple(inspect.signature(kernel).parameters)
+        parameters = kernel.__code__.co_varnames[: kernel.__code__.co_argcount]
         if parameters != (*OF_ALL, *numbers):
             raise ValueError(
                 f"{self.kind}: its kernel takes {parameters}: expected {OF_ALL + numbers}"
