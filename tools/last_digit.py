@@ -17,8 +17,8 @@ from typing import Any
 
 import numpy as np
 
+from plymotion.preprocess import fenicsx
 from plymotion.preprocess.section.space import section_mesh as sections
-from plymotion.preprocess.shell import shell_mesh as shells
 
 DRAW = np.uint64(2 * int(os.environ.get("LAST_DIGIT", "0")) + 1)
 MIXERS = (0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9)
@@ -43,13 +43,7 @@ def _changed(mesh: Any) -> Any:
     return replace(mesh, points=changed(mesh.points), **more)
 
 
-_sections, _shells = (module.__dict__ for module in (sections, shells))
-_section, _mixed, _shell = _sections["_read"], _sections["_mixed_arrays"], _shells["_read"]
-
-
-def _of_shell(*arguments: Any) -> Any:
-    mesh, refine = _shell(*arguments)
-    return _changed(mesh), refine
+_surface, _arrays, _mixed = fenicsx.surface_mesh, sections._arrays, sections._mixed_arrays
 
 
 def _of_mixed(path: Any) -> Any:
@@ -57,5 +51,5 @@ def _of_mixed(path: Any) -> Any:
     return None if mesh is None else _changed(mesh)
 
 
-_sections |= {"_read": lambda *words: _changed(_section(*words)), "_mixed_arrays": _of_mixed}
-_shells["_read"] = _of_shell
+fenicsx.surface_mesh = lambda *words, **more: _changed(_surface(*words, **more))
+vars(sections).update(_arrays=lambda path: _changed(_arrays(path)), _mixed_arrays=_of_mixed)

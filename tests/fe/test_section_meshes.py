@@ -1,6 +1,8 @@
 """Meshes of sections: the library's scripts, refinement, walls and plies."""
 
+import importlib
 import shutil
+import sys
 from collections.abc import Callable
 from math import pi
 from pathlib import Path
@@ -10,7 +12,9 @@ import numpy as np
 import pytest
 from samples.section_mesh_samples import CFRP, ISOTROPIC, SIZES, library, moments, nodes_of
 
+from plymotion.preprocess import fenicsx
 from plymotion.preprocess.section.section_analysis import analyse
+from plymotion.preprocess.section.space import section_mesh as reading
 from plymotion.preprocess.section.space.section_cells import KINDS as CELL_KINDS
 from plymotion.preprocess.section.space.section_mesh import section_mesh
 from plymotion.solver.inputs.section.shapes.library import SHAPES, expand, walls
@@ -166,3 +170,24 @@ def test_every_ply_ends_on_element_edges(name: str) -> None:
         "regions": regions,
     }
     assert analyse(spec, estimate=False).warnings == ()
+
+
+@pytest.mark.one_end
+def test_the_last_digit_of_coordinates_can_be_changed(
+    repository: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """tools/last_digit.py reaches what reads meshes."""
+    usual = library("rectangle").cells.points
+    for place, name in (
+        (fenicsx, "surface_mesh"),
+        (reading, "_arrays"),
+        (reading, "_mixed_arrays"),
+    ):
+        monkeypatch.setattr(place, name, getattr(place, name))
+    monkeypatch.syspath_prepend(repository / "tools")
+    monkeypatch.delitem(sys.modules, "last_digit", raising=False)
+    importlib.import_module("last_digit")
+    reading._made.cache_clear()
+    apart = np.abs(library("rectangle").cells.points - usual)
+    reading._made.cache_clear()
+    assert 0.0 < apart.max() <= 2.0 * np.spacing(np.abs(usual).max())
