@@ -72,8 +72,11 @@ def inputs_sha256(file: Path) -> str:
         content = file.read_bytes()
         digest = hashlib.sha256(solver_sha256().encode() + content)
         table = json.loads(content)
-        for entry in package_entries(table):
-            digest.update((file.parent.parent / entry["file"]).read_bytes())
+        packages = [file.parent.parent / entry["file"] for entry in package_entries(table)]
+        if not all(package.is_file() for package in packages):  # a pipe would be waited for
+            return ""
+        for package in packages:
+            digest.update(package.read_bytes())
     except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return ""
     return digest.hexdigest()

@@ -4,6 +4,7 @@ import os
 import sys
 
 import pytest
+from samples.case_samples import HEAD, SOLVER
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.errors import InputError
@@ -28,3 +29,13 @@ def test_a_pipe_is_no_file_of_a_command(tmp_path, capsys, command):
     assert main([command, str(pipe)]) == 2
     expected = f"error: {pipe}: expected a file, found a device or a pipe\n"
     assert capsys.readouterr().err == expected
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no such files")
+def test_a_pipe_is_no_package(tmp_path, capsys):
+    os.mkfifo(tmp_path / "pipe")
+    case = tmp_path / "case.toml"
+    body = '[bodies.bar]\nkind = "package"\npackage = "pipe"\n'
+    case.write_text(HEAD + body + SOLVER.format(t_end=0.1, step=0.01, more=""))
+    assert main(["run", str(case), "--out", str(tmp_path / "out")]) == 2
+    assert "pipe: no such file" in capsys.readouterr().err

@@ -225,9 +225,9 @@ def _reader() -> bytes:
 
 
 def key_of(path: Path) -> str | None:
-    """Return the key of a file; None if it cannot be read, or is too large to be kept."""
+    """Return the key of a file; None if it is none, cannot be read, or is too large to be kept."""
     try:
-        if path.stat().st_size > LARGEST:
+        if not path.is_file() or path.stat().st_size > LARGEST:
             return None
         return hashlib.sha256(_reader() + path.read_bytes()).hexdigest()
     except OSError:
