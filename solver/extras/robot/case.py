@@ -19,7 +19,7 @@ from ...dynamics.elements.forces.limit_stop import LIMIT_STOP
 from ...errors import InputError, nearest, refuse
 from ...math.arrays import Array
 from ...math.rotations import matrix_to_vector
-from ..tolerances import CLEAR, DEGREES, LONG, MANY_TURNS, SLIM, WIDE
+from ..tolerances import CLEAR, DEGREES, DENSE, LONG, MANY_TURNS, SLIM, WIDE
 from .urdf import HERE, Inertia, Pose, Robot, Type, UrdfJoint, about
 
 Tables = dict[str, Any]
@@ -103,6 +103,7 @@ def robot_case(
     heads, bodies = _bodies(robot, base == "free", keep_fixed)
     errors = [line for body in bodies.values() for line in _mistakes(robot, body, bodies, allow)]
     errors += [] if "units" in allow else _degrees(robot)
+    errors += [] if {"inertia", "units"} & set(allow) else _dense(robot)
     errors = errors or _without_inertia(robot, heads, bodies)
     names = _names(robot, bodies, errors)
     refuse(errors)
@@ -188,6 +189,22 @@ def _degrees(robot: Robot) -> list[str]:
         if joint.kind == Type.REVOLUTE and joint.lower is not None and joint.upper is not None
         if MANY_TURNS < max(-joint.lower, joint.upper) <= DEGREES
     ]
+
+
+def _dense(robot: Robot) -> list[str]:
+    """Return a line for each link that no matter fills: its mass is in g."""
+    lines = []
+    for link in robot.links.values():
+        mass, trace = link.inertia.mass, float(np.trace(link.inertia.about_centre))
+        # The least moments of all solids of a density are those of a ball, 0.4 m r^2.
+        volume = (
+            4.0 / 3.0 * np.pi * (trace / (1.2 * mass)) ** 1.5 if min(mass, trace) > 0.0 else 0.0
+        )
+        if mass > DENSE * volume > 0.0:
+            text = f"{mass:g} kg with moments of {trace:.3g} kg m2 in all: denser than {DENSE:g}"
+            text += " kg/m3; expected kg and kg m2, or --allow units"
+            lines.append(f"{robot.file}:{link.line}: <link {link.name}>: {text}")
+    return lines
 
 
 def _without_inertia(
