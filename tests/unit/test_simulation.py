@@ -263,14 +263,21 @@ def test_a_kink_a_rounding_error_behind_a_step(tmp_path):
     assert simulation.signals["x"] == pytest.approx(0.5 * 0.4**2, rel=1e-6)
 
 
-def test_a_sample_a_rounding_error_behind_a_step(tmp_path):
-    """Ten steps of 0.01 s end at 0.1 s less one bit, where a controller beside a stop samples."""
+@pytest.mark.parametrize("stopped", [True, False])
+def test_a_sample_a_rounding_error_behind_a_step(tmp_path, stopped):
+    """Ten steps of 0.01 s end at 0.1 s less one bit, where a controller samples.
+
+    Between two calls of the loop beside a stop, else inside: there it was sampled twice, a step of
+    one bit apart, and the next step was too small.
+    """
     case = pm.Case("rail", solver={"t_end": 1.0, "output_step": 0.05, "rtol": 1e-8})
     case.point("o", (0, 0, 0))
     case.rigid("b", mass=1.0, inertia=np.eye(3), interfaces={"c": (0, 0, 0)})
     case.prismatic("r", "ground.o", "b.c", axis="x")
-    case.limit_stop("stop", joint="r", upper=9.0, stiffness=1.0, restitution=0.5)
-    case.controller("held", joint="r", setpoint="1", proportional=20.0, sample_time=0.005)
+    if stopped:
+        case.limit_stop("stop", joint="r", upper=9.0, stiffness=1.0, restitution=0.5)
+    gains = {"proportional": 20.0, "integral": 50.0}
+    case.controller("held", joint="r", setpoint="1", **gains, sample_time=0.005)
     case.signals["x"] = {"kind": "position", "at": "b.c", "component": "x"}
     whole = pm.run(case, out=tmp_path / "run")
     simulation = pm.simulate(case, out=tmp_path / "out")

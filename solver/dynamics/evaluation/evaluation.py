@@ -711,7 +711,9 @@ def is_sampled(period: float, t: float) -> bool:
 
 
 class Instants:
-    """When the auxiliary states of a model are sampled, from `begin` > 0 to before t_end [s].
+    """When the auxiliary states of a model are sampled, behind `begin` and before t_end [s].
+
+    An instant a rounding error behind `begin` is that of the begin itself, and not among them.
 
     Attributes
     ----------
@@ -725,7 +727,8 @@ class Instants:
             return
         periods = distinct(self._period[self._period > 0.0])
         all_t = [
-            p * np.arange(max(int(begin / p), 1), int(np.ceil(t_end / p - NEAR))) for p in periods
+            p * np.arange(int(begin / p + NEAR) + 1, int(np.ceil(t_end / p - NEAR)))
+            for p in periods
         ]
         t = np.sort(np.concatenate([np.zeros(0), *all_t]))
         apart = np.diff(t, prepend=-1.0) > NEAR * periods.min(initial=1.0)
