@@ -1,6 +1,6 @@
 """`plymotion.simulate`: a run that a program moves on, step by step."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -21,26 +21,11 @@ Inputs = Mapping[str, float] | Sequence[float] | Array
 EVERY = 20  # steps, of which the monitors look at one
 
 
-class Values(Mapping[str, float]):
-    """Numbers by name that are computed when one is read."""
+class Values(dict[str, float]):
+    """Numbers by name; an unknown name is a KeyError that suggests the nearest."""
 
-    def __init__(self, names: Sequence[str], values: Array) -> None:
-        self._place = {name: k for k, name in enumerate(names)}
-        self._values = values
-
-    def __getitem__(self, name: str) -> float:
-        if name not in self._place:
-            raise KeyError(f"no {name!r}{nearest(name, self._place)}")
-        return float(self._values[self._place[name]])
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._place)
-
-    def __len__(self) -> int:
-        return len(self._place)
-
-    def __repr__(self) -> str:
-        return repr(dict(self))
+    def __missing__(self, name: str) -> float:
+        raise KeyError(f"no {name!r}{nearest(name, self)}")
 
 
 class Simulation:
@@ -178,7 +163,7 @@ class Simulation:
         >>> pm.simulate("pendulum.toml").signals["tip_x"]
         1.0
         """
-        return Values(list(self._stepper.outputs), self._stepper.measured())
+        return Values(zip(self._stepper.outputs, self._stepper.measured().tolist(), strict=True))
 
     @property
     def warnings(self) -> list[str]:
