@@ -17,7 +17,7 @@ import pytest
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 # Commands share the cores with other tests: one that starts a process for each core loads the
 # program, or FEniCSx, as often. Tests of several processes ask for them (`--jobs 2`).
-os.environ.setdefault("PLYMOTION_CORES", "1")
+os.environ.setdefault("PYTHON_CPU_COUNT", "1")
 
 ROOT = Path(__file__).resolve().parent.parent
 

@@ -10,17 +10,15 @@ numbers (tools/fe_numbers.py).
 
 The tests whose result could depend on rounding (KERNEL_TESTS, and LIGHT_KERNEL_TESTS of the
 package checks) run again with every kernel of OpenBLAS that the processor has
-(tools/core_types.py), each with one of the versions. The output of each program is printed when it
-ends; the summary comes last.
+(tools/core_types.py). The output of each program is printed when it ends; the summary comes last.
 """
 
 import os
 import shutil
 import sys
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import replace
 
-from core_types import FLAGS, Choice, Tests, choice
+from core_types import Choice, Tests, choice
 from core_types import job as job_of_type
 from core_types import summary as summary_of_types
 from fe_numbers import differences, pairs
@@ -246,10 +244,7 @@ def compare(ran: int, summary: list[str]) -> bool:
 
 
 def core_types(ran: list[Report]) -> list[tuple[Tests, Choice]]:
-    """The tests of kernels and the core types to run them with: light ones, then each DOLFINx.
-
-    The light tests run with all types, and each version of DOLFINx with its share of them.
-    """
+    """The tests of kernels and the core types to run them with: light ones, then each DOLFINx."""
     every = [Tests("light environment", sys.executable, "scipy.linalg", LIGHT_KERNEL_TESTS)]
     every += [
         Tests(
@@ -262,18 +257,7 @@ def core_types(ran: list[Report]) -> list[tuple[Tests, Choice]]:
         for report in ran
     ]
     with ThreadPoolExecutor(AT_ONCE) as pool:
-        light, *others = pool.map(choice, every)
-    return list(zip(every, (light, *shared_out(others)), strict=True))
-
-
-def shared_out(choices: list[Choice]) -> list[Choice]:
-    """Each core type for one of the versions that have it: the code that rounds is the same."""
-    shares: list[tuple[str, ...]] = [() for _ in choices]
-    for number, name in enumerate(FLAGS):
-        having = [k for k, one in enumerate(choices) if name in one.types]
-        if having:
-            shares[having[number % len(having)]] += (name,)
-    return [replace(one, types=types) for one, types in zip(choices, shares, strict=True)]
+        return list(zip(every, pool.map(choice, every), strict=True))
 
 
 def compare_core_types(

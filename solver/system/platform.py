@@ -25,10 +25,13 @@ if sys.platform != "win32" and POSIX:
 
 
 def cores() -> int:
-    """Return the number of cores that this process may use: PLYMOTION_CORES, or what there is."""
-    asked = os.environ.get("PLYMOTION_CORES", "")
-    if asked.isdecimal():
-        return max(int(asked), 1)
+    """Return the number of cores that this process may use.
+
+    `PYTHON_CPU_COUNT` says it, which Python knows itself from 3.13 on.
+    """
+    asked = os.environ.get("PYTHON_CPU_COUNT", "")
+    if asked.isdecimal() and int(asked):
+        return int(asked)
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1

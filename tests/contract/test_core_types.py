@@ -111,13 +111,3 @@ def test_nothing_run_is_said(core_types: ModuleType) -> None:
     assert "but Haswell; Zen give" in core_types.summary("some", alike, [])
     one = core_types.Choice(frozenset({"Haswell"}), ())
     assert "NO CORE TYPES but Haswell" in core_types.summary("some", one, [])
-
-
-def test_each_type_runs_with_one_of_the_versions_that_have_it(core_types: ModuleType) -> None:
-    import fe_tests
-
-    given = [("Prescott", "Nehalem"), ("Prescott", "Nehalem"), ("Zen",)]
-    choices = [core_types.Choice(frozenset({"Haswell"}), types) for types in given]
-    shares = [one.types for one in fe_tests.shared_out(choices)]
-    assert shares == [("Prescott",), ("Nehalem",), ("Zen",)]
-    assert [one.types for one in fe_tests.shared_out(choices[:1])] == given[:1]
