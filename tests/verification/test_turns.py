@@ -31,15 +31,20 @@ component = "z"
 
 
 @pytest.mark.parametrize("integrator", ["radau", "rk8", "gear", "generalized-alpha"])
-@pytest.mark.parametrize("step", [0.05, 1.7, 2.3, T_END])
-def test_angles_do_not_depend_on_the_outputs(tmp_path, step, integrator):
+@pytest.mark.parametrize(
+    ("step", "damping"),
+    [(0.05, DAMPING), (1.7, DAMPING), (2.3, DAMPING), (T_END, DAMPING), (1.7, 0)],
+)
+def test_angles_do_not_depend_on_the_outputs(tmp_path, step, damping, integrator):
+    """Without damping, the error of a step allows `generalized-alpha` to take turns in one."""
     more = 'constraints = "ggl"' if integrator == "generalized-alpha" else ""
     solver = (
         f"[solver]\nt_end = {T_END}\noutput_step = {step}\n"
         f'integrator = "{integrator}"\n{more}\n[runs.base]\n'
     )
-    result, _ = computed_file(tmp_path / "case.toml", HEAD + WHEEL + solver)
-    rate = DAMPING / INERTIA
-    exact = SPEED / rate * (1.0 - np.exp(-rate * result.t))
+    wheel = WHEEL.replace(f"-{DAMPING} * v", f"-{damping} * v")
+    result, _ = computed_file(tmp_path / "case.toml", HEAD + wheel + solver)
+    rate = max(damping, 1e-12) / INERTIA
+    exact = -SPEED / rate * np.expm1(-rate * result.t)
     for signal in result.signals:
         np.testing.assert_allclose(signal.values, exact, atol=0.01)
