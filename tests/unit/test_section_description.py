@@ -104,6 +104,11 @@ def test_thickness_of_a_wall_follows_from_its_plies(box):
     assert followed == given
 
 
+def test_plies_too_thick_for_a_floating_point_number(box):
+    with pytest.raises(InputError, match="its 6 plies are inf m thick in all"):
+        load_section(replaced(box, ("ply_thickness = 0.000127", "ply_thickness = 1e308")))
+
+
 def test_plies_without_thickness_share_the_wall(box):
     spec = load_section(replaced(box, ("ply_thickness = 0.000127\n", "")))
     assert all("thickness" not in ply for ply in spec["regions"]["top"]["plies"])

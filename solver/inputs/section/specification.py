@@ -112,7 +112,10 @@ def _fit(wall: Wall, key: str, plies: list[PlyTable], given: Values, sizes: Valu
     """Compare the plies with their wall and return errors, or add the wall to `sizes`."""
     if not wall.stacked or "thickness" not in plies[0]:
         return []
-    total = math.fsum(ply["thickness"] for ply in plies)
+    try:
+        total = math.fsum(ply["thickness"] for ply in plies)
+    except OverflowError:
+        total = math.inf
     place = next((k for k in (wall.thickness, "wall", "skin") if k in given), wall.thickness)
     if place not in given and wall.region[-1].isdigit():
         sizes.setdefault(place, []).append(total)  # in the order of the walls
