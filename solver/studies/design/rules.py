@@ -256,11 +256,9 @@ def _solved(equal: list[tuple[Array, float]], n: int) -> tuple[Array, Array, lis
 
 def broken(study: CheckedStudy, p: Array) -> list[str]:
     """Return which rules a discrete design breaks, in words."""
-    lines = []
-    for rule in study.table.rules:
-        if isinstance(rule, Rule):
-            lines += [line for each in layups(study, p).values() for line in _breaks(rule, each)]
-    return lines
+    rules = [rule for rule in study.table.rules if isinstance(rule, Rule)]
+    each = layups(study, p).values() if rules else ()
+    return [line for rule in rules for layup in each for line in _breaks(rule, layup)]
 
 
 def _breaks(rule: Rule, layup: Layup) -> Iterator[str]:
