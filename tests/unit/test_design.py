@@ -200,15 +200,36 @@ class _Pitted(_Plates):
         return [[[0.0, 0.0]]]
 
 
-@pytest.mark.parametrize("step", [30.0, 20.0])
+@pytest.mark.parametrize("step", [30.0, 10.0])
 def test_few_allowed_designs_are_all_compared(step: float) -> None:
-    """Of 49, the search for better neighbours ends at (0, 0); of 81 it is all there is."""
+    """Of 49, the search for better neighbours ends at (0, 0); of 361 it is all there is."""
     study, start = _study(2, angles(2, step=step)), Start(0)
     space, first = [Mass(study.table.objective)], np.array([10.0, 10.0])
     problem = Problem(_Pitted(), study.table, space, space_of(study), first)
     search(start, study, lambda z: problem, first)
     assert start.best is not None
     assert start.best.p == ([60.0, -60.0] if step == 30.0 else [0.0, 0.0])
+
+
+class _Ordered(_Plates):
+    """Designs of four angles: best where they descend, otherwise better the more they ascend."""
+
+    def values(self, p: Array) -> Values:
+        f = 9.0 if p.tolist() == [90.0, 45.0, 0.0, -45.0] else float((np.arange(4) @ p) / 1e3)
+        return Values("", [[f]], [f], [""])
+
+    def slopes(self, p: Array) -> list[list[list[float]]]:
+        return [[[0.0] * 4]]
+
+
+def test_designs_that_follow_the_rules_are_all_compared() -> None:
+    """Of 625, 48 have a ply in each direction; a change of one ply leaves them."""
+    study, start = _study(4, angles(4, step=45.0), rules=[{"share": 0.1}]), Start(0)
+    space, first = [Mass(study.table.objective)], np.array([0.0, 0.0, 0.0, 0.0])
+    problem = Problem(_Ordered(), study.table, space, space_of(study), first)
+    search(start, study, lambda z: problem, first)
+    assert start.best is not None
+    assert start.best.p == [90.0, 45.0, 0.0, -45.0]
 
 
 class _Valley(_Plates):

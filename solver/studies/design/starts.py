@@ -1,6 +1,6 @@
 """One start of a study: gradient steps, a turn away from a saddle, then the discrete search."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field
 from itertools import product
 from pathlib import Path
@@ -21,7 +21,7 @@ QUARTER = 90.0  # [deg] a ply turned by it mirrors itself: the gradient by symme
 SYMMETRIC, FLAT = 0.5, 1e-3  # [deg] from there; scaled derivative that may be such a zero
 TURN, TURNS = 3.0, 3  # [deg] out of a saddle; at most so many times
 RESTORED = 3  # times that a start which ends beyond its limits goes back to them, at most
-EVERY = 64  # combinations of allowed values, up to which all are computed
+EVERY, LISTED = 256, 4096  # designs, up to which all are computed; combinations looked at for it
 
 
 class Known:
@@ -216,7 +216,8 @@ def _beside_saddle(problem: Problem, study: CheckedStudy, number: int) -> Array 
 def discrete(problem: Problem, study: CheckedStudy, start: Point) -> Point:
     """Return the best design of allowed values near a continuous one.
 
-    Few combinations are all computed. Of more, each parameter goes to the nearest allowed value.
+    Few designs that follow the rules are all computed, as one change may lead from none of them to
+    another. Of more, each parameter goes to the nearest allowed value.
     Then, layer by layer, its neighbours are computed and the best one is kept; neighbours of the
     opposite angle and exchanges of two layers follow, until nothing is better. Continuous
     parameters keep their values.
@@ -232,7 +233,7 @@ def discrete(problem: Problem, study: CheckedStudy, start: Point) -> Point:
         key = z.tobytes()
         if key not in seen:
             p = space.p(z)
-            wrong = len(broken(study, p)) + _outside(study, p)
+            wrong = _wrong(study, p)
             result = problem.designs.values(p) if not wrong else None
             if result is None or result.why:
                 seen[key] = Point(p.tolist(), np.inf, 1e3 * (wrong or 1), [])
@@ -248,11 +249,8 @@ def discrete(problem: Problem, study: CheckedStudy, start: Point) -> Point:
             return True
         return False
 
-    if np.prod([len(space.allowed[k]) for k in layers]) <= EVERY:
-        values = np.array([*product(*(space.allowed[k] for k in layers))])
-        every = np.tile(z, (len(values), 1))
-        every[:, layers] = values
-        improved([*every])
+    if (every := _every(study, space, z, layers)) is not None:
+        improved([z, *every])
         return point(z)
     better = True
     while better:
@@ -262,6 +260,23 @@ def discrete(problem: Problem, study: CheckedStudy, start: Point) -> Point:
         for i, j in pairs if not better else ():
             better = improved([_exchanged(space, z, i, j)]) or better
     return point(z)
+
+
+def _every(
+    study: CheckedStudy, space: Space, z: Array, layers: Sequence[int]
+) -> list[Array] | None:
+    """Return all points of allowed values that follow the rules; None if there are many."""
+    if np.prod([len(space.allowed[k]) for k in layers], dtype=float) > LISTED:
+        return None
+    followed = []
+    for values in product(*(space.allowed[k] for k in layers)):
+        point = z.copy()
+        point[layers] = values
+        if not _wrong(study, space.p(point)):
+            followed.append(point)
+        if len(followed) > EVERY:
+            return None
+    return followed
 
 
 def _neighbours(
@@ -297,9 +312,9 @@ def _exchanged(space: Space, z: Array, i: int, j: int) -> Array:
     return exchanged
 
 
-def _outside(study: CheckedStudy, p: Array) -> int:
-    """Return how many linked parameters have values that they may not have."""
-    count = 0
+def _wrong(study: CheckedStudy, p: Array) -> int:
+    """Return how many rules are broken, and linked parameters have values they may not have."""
+    count = len(broken(study, p))
     for parameter, value in zip(study.parameters.values(), p, strict=True):
         allowed = parameter.allowed()
         low, high = parameter.range()
