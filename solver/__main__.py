@@ -160,9 +160,9 @@ def _paths(options: argparse.Namespace) -> list[Path]:
 
 
 def _check_paths(options: argparse.Namespace) -> None:
+    """Raise InputError for a device or a pipe, which may never end, or wait for a writer."""
     for path in _paths(options):
         if os.path.exists(path) and not (os.path.isfile(path) or os.path.isdir(path)):
-            # It may never end, or wait for a writer.
             raise InputError(f"{path}: expected a file, found a device or a pipe")
 
 

@@ -44,9 +44,14 @@ class Judgement(NamedTuple):
         return tuple(dict.fromkeys(finding.code for finding in self.findings))
 
 
+def checked(run: FinishedRun) -> list[Finding]:
+    """Return what the checks find in a finished run, without the search for the weakest ply."""
+    return [finding for check in CHECKS for finding in check(run)]
+
+
 def judge(run: FinishedRun) -> Judgement:
-    """Apply every check to a finished run."""
-    findings = [finding for check in CHECKS for finding in check(run)]
+    """Apply every check to a finished run, and search for the weakest ply."""
+    findings = checked(run)
     strengths = balances.body_strengths(run)
     findings += balances.strength_findings(strengths)
     return Judgement(tuple(findings), run.numbers(), strengths)

@@ -53,6 +53,12 @@ def listed(named: Iterable[tuple[str, Thing]], names: Iterable[str], what: str) 
     return {name: by_names[name] for name in names}
 
 
+def argument_names(function: Callable[..., Any]) -> tuple[str, ...]:
+    """Return the names of the arguments of a function or kernel: inspect.signature takes ms."""
+    code = getattr(function, "py_func", function).__code__
+    return tuple(code.co_varnames[: code.co_argcount])
+
+
 def by_name(named: Iterable[tuple[str, Thing]], what: str) -> dict[str, Thing]:
     """Return a table of things by name; raises ValueError for a name that occurs twice."""
     table: dict[str, Thing] = {}
@@ -161,13 +167,13 @@ def dispatched(on: str, calls: Sequence[Call]) -> Callable[[Function], Function]
         raise ValueError(f"expected functions with names that differ, got {names}")
 
     def decorate(function: Function) -> Function:
-        code = function.__code__
-        own = ", ".join(code.co_varnames[: code.co_argcount])
+        own = ", ".join(argument_names(function))
         lines = [f"def {function.__name__}({own}):"]
         for number, (name, (_, arguments)) in enumerate(zip(names, calls, strict=True)):
             call = f"return {name}({', '.join(arguments)})"
             last = number == len(names) - 1
             lines.append(f"    {call}" if last else f"    if {on} == {number}: {call}")
+        code = function.__code__
         tree = ast.parse("\n".join(lines))
         for node in ast.walk(tree):
             if isinstance(node, ast.stmt | ast.expr | ast.arg):

@@ -58,8 +58,8 @@ def described_gaps(
     model : arrays of the mechanism (dynamics/model/model.py)
     residual : residuals of the constraints (n_c,) [m, rad, or rates]
     names : names of the joints
-    words : words or units for distances and rotations
-    least : residual below which a joint is left out; None: STAYS_OPEN of the largest
+    labels : words or units for distances and rotations
+    least : residual below which a joint is left out; None: the largest times STAYS_OPEN
     """
     parts = []
     if least is None:
@@ -225,7 +225,7 @@ DEFORMED = (
     "torsion and of bending in both planes, or take joints that leave more freedom (spherical, "
     "universal, point_on_line)"
 )
-_MAX_STEP = 0.5  # limit of one Newton correction [rad, over the size], for rough positions
+_MAX_STEP = 0.5  # limit of one Newton correction, in `sizes_of_motion`, for rough positions
 _MAX_ITERATIONS = 60
 
 
@@ -360,7 +360,7 @@ def frames_close(model: Model, y: Array) -> bool:
 
 
 def row_sizes(model: Model, size: float) -> Array:
-    """Return by what the constraints are measured, (n_c,): the size of the mechanism, or 1 rad.
+    """Return the units of the constraints, (n_c,): the size of the mechanism for distances, or 1.
 
     Parameters
     ----------
@@ -446,7 +446,7 @@ def redundancy(model: Model, y: Array, names: list[str], t_end: float = 0.0) -> 
     involved = [name for k, name in enumerate(names) if weight[rows_of(model, k)].max() > 1e-6]
     state = accelerations(model._replace(redundant=count), equations, y)[0]
     residual = equations.Phi_q @ state - equations.gamma
-    # whose rounding is in the residual
+    # The residual has the rounding of these.
     terms = np.abs(equations.Phi_q) @ (np.abs(state) + np.abs(equations.f) / model.inertia_scale)
     size = max(1.0, float(np.max(np.abs(equations.gamma))), float(np.max(terms)))
     if np.max(np.abs(residual)) > VELOCITY_TOLERANCE * size:

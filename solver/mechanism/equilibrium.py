@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 
 _MAX_STEP = 0.3  # of `sizes_of_motion`
 _MAX_ITERATIONS = 200
-_PATIENT = 30  # steps in a row that bring no less unbalance: loads of the wind have no minimum
+_PATIENT = 30  # steps in a row without progress; loads of the wind have no minimum
 _REST = Spin(np.array([0.0, 0.0, 1.0]), np.zeros(3), 0.0)
 _NUDGE = 0.05  # step away from an unstable equilibrium, of `sizes_of_motion`
 _DIFFERENCE = 1e-6  # increment for the stiffness by finite differences, of `sizes_of_motion`

@@ -11,8 +11,8 @@ NO_SECOND_ORDER = 1e-12
 # Mass of a point mass over that of its body, from which on it becomes a virtual body.
 HEAVY_POINT_MASS = 1e3
 
-# Residual of the positions with closed joints [rad, over the size]; joints that stay open by more
-# than the second cannot be closed.
+# Residual of the positions with closed joints [rad; distances over the size of the mechanism].
+# Joints that stay open by more than the second cannot be closed.
 POSITION_TOLERANCE = 1e-12
 STAYS_OPEN = 1e3 * POSITION_TOLERANCE
 
@@ -39,11 +39,11 @@ MOTION_CONVERGED = 1e-12
 DRIVE_AT_REST = 1e-12
 
 # Unbalanced accelerations in equilibrium, relative to the largest due to the loads; and residual of
-# the positions there [rad, over the size].
+# the positions there [rad; distances over the size of the mechanism].
 BALANCED = 1e-10
 BALANCE_CLOSED = 1e-12
 
-# What is unbalanced, over the least before: above it the search makes no way.
+# Unbalanced forces over the least of the steps before; above it a step has brought nothing.
 FALLS = 0.99
 
 # Stiffness over inertia that counts as zero [1/s2]: a period of 100 minutes.

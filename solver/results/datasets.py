@@ -283,7 +283,7 @@ def write_texts(group: h5py.Group, name: str, texts: Sequence[str]) -> None:
 
 def read_texts(dataset: h5py.Dataset) -> list[str]:
     """Return the texts (n,) of a dataset. Raises ValueError if it has none."""
-    if not is_text(dataset):
+    if not is_text(dataset.dtype):
         raise ValueError(f"{dataset.name}: expected texts")
     return [as_text(text) for text in dataset[()]]
 

@@ -1,11 +1,13 @@
 """The paper's double pendulum, and its limits, from the shipped packages: no FEniCSx needed."""
 
+import json
 import shutil
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
+from harness.processes import this_python
 from samples.case_samples import case_runs
 
 from plymotion.solver.__main__ import main
@@ -198,6 +200,25 @@ def test_contradictory_start(build, repository, capsys):
     message = _fails(build, capsys)
     assert "initial velocities contradict" in message
     assert "shoulder (drive): 0 m/s, 15 rad/s" in message
+
+
+def test_plain_numpy_gives_the_same_motion(build, repository):
+    """The compiled path and plain NumPy are one set of formulas."""
+    code = (
+        "import sys, json; from pathlib import Path\n"
+        "from plymotion.solver.run.execution import execute, read_run\n"
+        "from plymotion.solver.math.compiled import COMPILED\n"
+        "spec = read_run(Path('runs/isotropic.json')).changed({'solver.t_end': 0.002})\n"
+        "result, _ = execute(spec, progress=False)\n"
+        "print(json.dumps([COMPILED, result.q[-1].tolist()]))\n"
+    )
+    found = {}
+    for flag in ("0", "1"):
+        done = this_python("-c", code, more={"PLYMOTION_COMPILED": flag}, cwd=build, check=True)
+        compiled, q = json.loads(done.stdout)
+        found[flag] = np.array(q)
+        assert not (flag == "0" and compiled)
+    np.testing.assert_allclose(found["0"], found["1"], atol=1e-10)
 
 
 def test_output_that_cannot_be_written_is_an_error_with_words(build, capsys):

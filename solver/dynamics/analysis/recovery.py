@@ -61,10 +61,9 @@ def shape_sizes(model: Model, i: int) -> Array:
 
 
 def sizes_of_motion(model: Model, size: float) -> Array:
-    """Return by what each velocity coordinate moves or turns a body as far as any, (n_vel,).
+    """Return the change of each velocity coordinate that is as large as a turn by 1 rad, (n_vel,).
 
-    The size [m] of the mechanism along axes, 1 rad about them, and as much of a mode as moves its
-    body by the size.
+    Along axes it is the size [m] of the mechanism; of a mode, what moves its body by this size.
 
     Parameters
     ----------

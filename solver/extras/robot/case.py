@@ -192,14 +192,14 @@ def _degrees(robot: Robot) -> list[str]:
 
 
 def _dense(robot: Robot) -> list[str]:
-    """Return a line for each link that no matter fills: its mass is in g."""
+    """Return a line for each link that is denser than any matter: its mass is in g."""
     lines = []
     for link in robot.links.values():
         mass, trace = link.inertia.mass, float(np.trace(link.inertia.about_centre))
-        # The least moments of all solids of a density are those of a ball, 0.4 m r^2.
-        volume = (
-            4.0 / 3.0 * np.pi * (trace / (1.2 * mass)) ** 1.5 if min(mass, trace) > 0.0 else 0.0
-        )
+        if min(mass, trace) <= 0.0:
+            continue
+        # Of all solids with this mass and density, a ball has the least moments, 0.4 m r^2 each.
+        volume = 4.0 / 3.0 * np.pi * (trace / (1.2 * mass)) ** 1.5
         if mass > DENSE * volume > 0.0:
             text = f"{mass:g} kg with moments of {trace:.3g} kg m2 in all: denser than {DENSE:g}"
             text += " kg/m3; expected kg and kg m2, or --allow units"

@@ -231,9 +231,9 @@ def text_array(texts: Sequence[str]) -> np.ndarray:
     return np.array(raw, dtype=h5py.string_dtype("utf-8", max([1, *map(len, raw)])))
 
 
-def is_text(dataset: h5py.Dataset) -> bool:
-    """True if a dataset contains text."""
-    return h5py.check_string_dtype(dataset.dtype) is not None
+def is_text(dtype: np.dtype[Any]) -> bool:
+    """True for the type of a dataset that contains text."""
+    return h5py.check_string_dtype(dtype) is not None
 
 
 def content_sha256(
@@ -301,7 +301,7 @@ def content_sha256(
 
 
 def contents(group: h5py.Group, path: str = "", depth: int = 0) -> dict[str, h5py.HLObject]:
-    """Return a group and all below it by path, each opened once: that is most of the reading.
+    """Return a group and all below it by path, each opened once, as opening takes most time.
 
     Parameters
     ----------
@@ -309,7 +309,9 @@ def contents(group: h5py.Group, path: str = "", depth: int = 0) -> dict[str, h5p
     path : its key in what is returned
     depth : number of groups around it
 
-    Raises ValueError : groups in groups without end.
+    Raises
+    ------
+    ValueError : groups nested deeper than MOST_DEEP
     """
     if depth > MOST_DEEP:
         raise ValueError(f"groups nested deeper than {MOST_DEEP}")

@@ -20,7 +20,7 @@ import numpy as np
 
 from ...errors import PackageError, did_you_mean
 from ...math.arrays import Array, IntArray
-from .container import as_text, get_text, set_text, text_array
+from .container import as_text, get_text, is_text, set_text, text_array
 from .findings import Remark
 from .plain_data import json_table, json_text
 
@@ -472,10 +472,9 @@ def layout_findings(
 
 
 def _fault(spec: Data, item: h5py.Dataset, sizes: Sizes) -> str:
-    """What is wrong with type or shape of a dataset; axes of unknown sizes are not checked."""
+    """Return what is wrong with type or shape of a dataset; axes of unknown sizes pass."""
     dtype, shape = item.dtype, item.shape
-    text = h5py.check_string_dtype(dtype) is not None
-    if text != (spec.stored == "text"):
+    if is_text(dtype) != (spec.stored == "text"):
         return f"expected {spec.stored}, found {dtype}"
     if spec.type in ("int64", "uint8") and dtype.kind not in "iu":
         return f"expected whole numbers ({spec.type}), found {dtype}"

@@ -21,7 +21,8 @@ QUARTER = 90.0  # [deg] a ply turned by it mirrors itself: the gradient by symme
 SYMMETRIC, FLAT = 0.5, 1e-3  # [deg] from there; scaled derivative that may be such a zero
 TURN, TURNS = 3.0, 3  # [deg] out of a saddle; at most so many times
 RESTORED = 3  # times that a start which ends beyond its limits goes back to them, at most
-EVERY, LISTED = 256, 4096  # designs, up to which all are computed; combinations looked at for it
+EVERY = 256  # designs that follow the rules, up to which all are computed
+LISTED = 4096  # combinations of allowed values, up to which the rules are looked at for that
 
 
 class Known:
@@ -216,8 +217,8 @@ def _beside_saddle(problem: Problem, study: CheckedStudy, number: int) -> Array 
 def discrete(problem: Problem, study: CheckedStudy, start: Point) -> Point:
     """Return the best design of allowed values near a continuous one.
 
-    Few designs that follow the rules are all computed, as one change may lead from none of them to
-    another. Of more, each parameter goes to the nearest allowed value.
+    If few designs follow the rules, all are computed, because no change of one ply may lead from
+    one of them to another. If there are more, each parameter goes to the nearest allowed value.
     Then, layer by layer, its neighbours are computed and the best one is kept; neighbours of the
     opposite angle and exchanges of two layers follow, until nothing is better. Continuous
     parameters keep their values.
@@ -313,7 +314,7 @@ def _exchanged(space: Space, z: Array, i: int, j: int) -> Array:
 
 
 def _wrong(study: CheckedStudy, p: Array) -> int:
-    """Return how many rules are broken, and linked parameters have values they may not have."""
+    """Return the number of broken rules and of linked parameters whose values are not allowed."""
     count = len(broken(study, p))
     for parameter, value in zip(study.parameters.values(), p, strict=True):
         allowed = parameter.allowed()

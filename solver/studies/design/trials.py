@@ -13,7 +13,7 @@ import numpy as np
 from plymotion import __version__
 
 from ...checks.finished import FinishedRun, Look
-from ...checks.judge import CHECKS
+from ...checks.judge import checked
 from ...errors import InputError, PackageError, few
 from ...inputs.case.bodies.segments import in_segments
 from ...inputs.case.bodies.specifications import BodySpec, model_and_check
@@ -421,8 +421,7 @@ class Trials:
         finished = taken(spec.run, prepared)
         if finished.solution.status != "finished":
             return f"the run ended at {finished.solution.t[-1]:.4g} s: {finished.solution.message}"
-        # without the search for the weakest ply, which makes no run invalid
-        wrong = [f.text for check in CHECKS for f in check(finished) if f.level == "error"]
+        wrong = [f.text for f in checked(finished) if f.level == "error"]
         if wrong:
             return few(wrong[:1])
         recording = Recording(finished.model, finished.solution.t, finished.solution.y)

@@ -38,7 +38,7 @@ BATCH = 2_000_000  # numbers of the terms of one batch of steps
 NEAR = 1e-6  # of the size of the mechanism: distance from a bend of a force
 NODES, STRIDES = 8, (2, 1)  # through which equations are interpolated; steps between them
 ROUGH = 1e-5  # of the largest velocity: what interpolated accelerations may miss in a step
-GROWN = 4.0  # sum of the sizes of weights: more makes the rounding errors of equations large
+GROWN = 4.0  # sum of absolute weights, above which they multiply rounding errors of the equations
 
 
 class Batch(NamedTuple):

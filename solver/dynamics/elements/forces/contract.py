@@ -45,6 +45,7 @@ from ....math.catalogue import (
     Number,
     OfTime,
     Three,
+    argument_names,
 )
 from ...model.motion import DAMPING, FORCE, N_ELEMENT_ROW, STIFFNESS
 
@@ -268,8 +269,7 @@ def _names(key: Key) -> list[str]:
 
 def _check(kind: str, what: str, kernel: Callable[..., Any]) -> None:
     """Raise ValueError unless a kernel takes four arguments."""
-    code = getattr(kernel, "py_func", kernel).__code__
-    parameters = code.co_varnames[: code.co_argcount]
+    parameters = argument_names(kernel)
     if parameters[:3] != OF_ALL or len(parameters) != len(OF_ALL) + 1:
         raise ValueError(f"{kind}: its {what} takes {parameters}: expected {OF_ALL} and one more")
 

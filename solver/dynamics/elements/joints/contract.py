@@ -34,7 +34,7 @@ from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
 
 from ....math.arrays import Array
-from ....math.catalogue import Direction, Number
+from ....math.catalogue import Direction, Number, argument_names
 
 Rows = Callable[..., None]
 Numbers = dict[str, float]
@@ -88,8 +88,7 @@ class Constraint:
 
     def _check(self, numbers: tuple[str, ...]) -> None:
         """Raise ValueError unless the kernel takes these numbers."""
-        kernel = getattr(self.rows, "py_func", self.rows)
-        parameters = kernel.__code__.co_varnames[: kernel.__code__.co_argcount]
+        parameters = argument_names(self.rows)
         if parameters != (*OF_ALL, *numbers):
             raise ValueError(
                 f"{self.kind}: its kernel takes {parameters}: expected {OF_ALL + numbers}"
