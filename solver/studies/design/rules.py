@@ -5,7 +5,7 @@ specifications of bodies, in which lay-ups are complete however they were writte
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -73,6 +73,7 @@ class Space:
     A: Array  # (l, z)
     b: Array  # (l,)
     allowed: tuple[tuple[float, ...], ...]  # values of the discrete ones of z, in order
+    wrong: dict[bytes, int] = field(default_factory=dict)  # of designs p, for all starts
 
     def p(self, z: Array) -> Array:
         """Return the parameters (p,) of a point."""

@@ -234,7 +234,7 @@ def discrete(problem: Problem, study: CheckedStudy, start: Point) -> Point:
         key = z.tobytes()
         if key not in seen:
             p = space.p(z)
-            wrong = _wrong(study, p)
+            wrong = _wrong(study, space, p)
             result = problem.designs.values(p) if not wrong else None
             if result is None or result.why:
                 seen[key] = Point(p.tolist(), np.inf, 1e3 * (wrong or 1), [])
@@ -273,7 +273,7 @@ def _every(
     for values in product(*(space.allowed[k] for k in layers)):
         point = z.copy()
         point[layers] = values
-        if not _wrong(study, space.p(point)):
+        if not _wrong(study, space, space.p(point)):
             followed.append(point)
         if len(followed) > EVERY:
             return None
@@ -313,8 +313,10 @@ def _exchanged(space: Space, z: Array, i: int, j: int) -> Array:
     return exchanged
 
 
-def _wrong(study: CheckedStudy, p: Array) -> int:
+def _wrong(study: CheckedStudy, space: Space, p: Array) -> int:
     """Return the number of broken rules and of linked parameters whose values are not allowed."""
+    if (stored := space.wrong.get(p.tobytes())) is not None:
+        return stored
     count = len(broken(study, p))
     for parameter, value in zip(study.parameters.values(), p, strict=True):
         allowed = parameter.allowed()
@@ -323,4 +325,5 @@ def _wrong(study: CheckedStudy, p: Array) -> int:
         if allowed and min(abs(v - value) for v in allowed) > near:
             count += 1
         count += not low - near <= value <= high + near
+    space.wrong[p.tobytes()] = count
     return count
