@@ -1,9 +1,14 @@
 """The library of an FMU: the headers of the standard, programs in C and Python, wrong calls."""
 
 import ctypes
+import json
 import os
 import re
+import socket
+import struct
 import subprocess
+import sys
+import time
 import zipfile
 from pathlib import Path
 from typing import Any
@@ -12,7 +17,8 @@ import numpy as np
 import pytest
 from samples.fmu_samples import Instance, fmpy, slider
 
-from plymotion.solver.studies.fmu.write import LIBRARY
+from plymotion.solver.studies.fmu.server import START, STEP
+from plymotion.solver.studies.fmu.write import LIBRARY, run_of
 
 __all__ = ["fmpy", "slider"]  # fixtures
 
@@ -198,3 +204,32 @@ def test_no_python_is_said(
         with pytest.raises(Exception, match="instantiate"):
             Instance(fmpy, slider, tmp_path, Path(python).name, told)
         assert message in told[-1]
+
+
+def test_solver_ends_with_its_importer_in_the_middle_of_a_step(
+    fmpy: Any, slider: Path, tmp_path: Path
+) -> None:
+    """A step of 1e9 steps of the integrator is under way when the other end closes."""
+    with zipfile.ZipFile(slider) as archive:
+        archive.extractall(tmp_path)
+    file = run_of(tmp_path / "resources")
+    run = json.loads(file.read_text())
+    run["mechanism"]["solver"]["max_step"] = 1e-9
+    file.write_text(json.dumps(run))
+    here, there = socket.socketpair()
+    code = "from plymotion.solver.studies.fmu.server import main; import sys; main(sys.argv[1])"
+    words = [sys.executable, "-c", code, str(tmp_path / "resources")]
+    with there, here, subprocess.Popen(words, stdin=there) as server:
+        there.close()
+        for answer in (12 + 16, 12 + 8):  # counts, start of the inputs
+            assert len(here.recv(answer, socket.MSG_WAITALL)) == answer
+        here.sendall(struct.pack("=ii3d", START, 3, 2.0, 1.0, 1.0))
+        assert len(here.recv(20, socket.MSG_WAITALL)) == 20
+        here.sendall(struct.pack("=ii5d", STEP, 5, 1.0, 0.0, 1.0, 0.0, 0.0))
+        time.sleep(0.2)
+        assert server.poll() is None
+        here.close()
+        try:
+            assert server.wait(timeout=20) == 0
+        finally:
+            server.kill()

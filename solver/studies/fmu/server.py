@@ -15,8 +15,10 @@ a request, when the run is ready: (number of inputs, of outputs), and the start 
 """
 
 import os
+import select
 import socket
 import struct
+import threading
 from pathlib import Path
 
 import numpy as np
@@ -38,11 +40,20 @@ TEXT_BYTES = 4000  # of a message, at most
 def main(folder: str) -> int:
     """Serve one instance of the FMU with these resources, until the other end closes."""
     with socket.socket(fileno=os.dup(0)) as channel:
+        threading.Thread(target=_end_with, args=(channel,), daemon=True).start()
         try:
             _serve(channel, Path(folder))
         except (BrokenPipeError, ConnectionResetError, EOFError):
             return 0  # the instance is freed
     return 0
+
+
+def _end_with(channel: socket.socket) -> None:
+    """End the process when the importer has ended, in the middle of a step as well."""
+    watched = select.poll()
+    watched.register(channel, 0)  # of a channel that is closed poll() tells always
+    watched.poll()
+    os._exit(0)
 
 
 def _serve(channel: socket.socket, folder: Path) -> None:
