@@ -19,7 +19,7 @@ from plymotion.solver.package.body.package_schema import (
     MODE_KINDS,
     REFERENCE_CONDITIONS,
 )
-from plymotion.solver.package.common.container import content_sha256
+from plymotion.solver.package.common.container import content_sha256, set_text
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = (ROOT / "docs/format.md").read_text(encoding="utf-8")
@@ -146,17 +146,32 @@ def test_example_of_the_manual_runs_and_validates(tmp_path: Path) -> None:
 
 
 def test_checksum_follows_the_written_rule(tmp_path: Path) -> None:
-    """The items of the manual, put together by hand for a small tree."""
+    """The items of the manual, put together by hand for a small tree; texts of three kinds."""
     with h5py.File(tmp_path / "a.h5", "w") as h5:
         group = h5.create_group("modal_package")
         group.attrs["reference_condition"] = "clamped"
         group["b/x"] = np.array([[1.5, -2.0]], dtype=np.float32)
         group["b/x"].attrs["unit"] = "m"
         group["a"] = np.array(7, dtype=np.uint8)
+        set_text(group["a"], "unit", "\u00b5m")
+        padded = h5py.h5t.C_S1.copy()
+        padded.set_size(4)
+        padded.set_strpad(h5py.h5t.STR_SPACEPAD)  # as Fortran writes it
+        one = h5py.h5s.create(h5py.h5s.SCALAR)
+        h5py.h5a.create(group["a"].id, b"frame", padded, one).write(np.array(b"B"))
         found = content_sha256(group, "arm", "SI")
     items: list[bytes] = [b"arm", b"SI"]
     items += [b"", b"reference_condition", b"clamped"]
-    items += [b"a", b"", b"i8", (7).to_bytes(8, "little")]
+    items += [
+        b"a",
+        b"frame",
+        b"B",
+        b"unit",
+        "\u00b5m".encode(),
+        b"",
+        b"i8",
+        (7).to_bytes(8, "little"),
+    ]
     items += [b"b"]
     items += [b"b/x", b"unit", b"m", b"1,2", b"f8", np.array([1.5, -2.0], "<f8").tobytes()]
     data = b"".join(str(len(item)).encode() + b":" + item for item in items)

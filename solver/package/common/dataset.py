@@ -20,7 +20,7 @@ import numpy as np
 
 from ...errors import PackageError, did_you_mean
 from ...math.arrays import Array, IntArray
-from .container import as_text, get_text, is_text, set_text, text_array
+from .container import as_text, get_text, is_text, new_dataset, set_text, text_array
 from .findings import Remark
 from .plain_data import json_table, json_text
 
@@ -372,15 +372,13 @@ def write_encoded(group: h5py.Group, datasets: Iterable[Encoded]) -> None:
             if spec.type == "attribute":
                 set_text(own.require_group(f"./{spec.place}"), spec.name, array)
                 continue
-            chunks = packing = None
             if array.nbytes > WORTH_PACKING and (spec.packed or _is_mostly_zero(array)):
                 # VTK's views of the modes read one after the other
                 chunks = (1, *array.shape[1:]) if spec.axes[0] == "m" else array.shape
-                packing = "gzip"
-            dataset = own.create_dataset(
-                spec.path, array.shape, array.dtype, array,
-                chunks=chunks, compression=packing, shuffle=packing is not None,
-            )  # fmt: skip
+                options: Any = {"chunks": chunks, "compression": "gzip", "shuffle": True}
+                dataset = own.create_dataset(spec.path, data=array, **options)
+            else:
+                dataset = new_dataset(own, spec.path, array)
             for key, word in zip(WORDS, (spec.unit, spec.frame, spec.text), strict=True):
                 set_text(dataset, key, word)
 
