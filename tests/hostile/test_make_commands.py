@@ -153,9 +153,12 @@ def test_descriptions_of_a_case_are_no_commands(project, repository):
     _no_command_ran(project)
 
 
-@pytest.mark.parametrize("name", ["a\\nb", "a\\rb", "a\\u0000b", "a\\u001bb", "a\\u0085b"])
-@pytest.mark.parametrize("key", ["package", "table", "section", "shell"])
-def test_control_characters_are_refused_with_words(tmp_path, capsys, name, key):
+CONTROLS = ["a\\nb", "a\\rb", "a\\u0000b", "a\\u001bb", "a\\u0085b"]
+UNUSABLE = [(name, key) for key in ("package", "table", "section", "shell") for name in CONTROLS]
+
+
+@pytest.mark.parametrize(("name", "key"), [*UNUSABLE, ("x" * 300, "shell")])
+def test_paths_that_no_file_has_are_refused_with_words(tmp_path, capsys, name, key):
     path = f'"{name}"'
     text, named = {
         "package": (f'[bodies.x]\nkind = "package"\npackage = {path}\n', "bodies.x.package"),
@@ -168,7 +171,8 @@ def test_control_characters_are_refused_with_words(tmp_path, capsys, name, key):
     assert main(["check", str(file), "--out", str(tmp_path / "o")]) == 2
     told = capsys.readouterr().err
     assert f"{file}: {named} = " in told
-    assert "expected a path without control characters" in told
+    words = "at most 1000" if len(name) > 255 else "a path without control"
+    assert f"expected {words} characters" in told
     assert all(ord(letter) >= 32 for letter in told.replace("\n", ""))
     assert len(told.splitlines()) == 1, told
     assert not (tmp_path / "o").exists()

@@ -30,6 +30,8 @@ def usable_path(text: str) -> str:
     """Return a path. Raises ValueError if no message could show it in one line."""
     if not text or printable(text) != text:
         raise ValueError("expected a path without control characters")
+    if len(text) > 1000 or max(map(len, text.encode().split(b"/"))) > 255:  # as Linux has them
+        raise ValueError("expected at most 1000 characters, and 255 bytes in each name")
     return text
 
 

@@ -229,9 +229,9 @@ def numbered_lines(file: Path) -> list[tuple[int, str]]:
 
 @contextlib.contextmanager
 def _opened(file: Path) -> Iterator[TextIO]:
-    if file.exists() and not file.is_file():  # a folder, or a device that never ends
-        raise ValueError(f"{file}: cannot be read (expected a file)")
     try:
+        if file.exists() and not file.is_file():  # a folder, or a device that never ends
+            raise ValueError(f"{file}: cannot be read (expected a file)")
         with file.open(encoding="utf-8-sig") as text:
             yield text
     except (OSError, UnicodeDecodeError) as error:

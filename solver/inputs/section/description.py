@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Union
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag, create_model, model_validator
 
-from ..common.input_table import Name, Pair, Table, entry, optional, validated
+from ..common.input_table import FilePath, Name, Pair, Table, entry, optional, validated
 from ..common.materials import Angle, Content, Laminate, Material
 from ..common.units import MEANING, Unit, file_units, own_scale
 from .shapes.contract import Values
@@ -38,7 +38,7 @@ class ShapeMesh(MeshTable):
 class FileMesh(MeshTable):
     """`[mesh]` with `file`: a mesh of your own."""
 
-    file: str = entry(
+    file: FilePath = entry(
         "path, relative to this file: gmsh's .msh or .geo, or any mesh that meshio reads (.inp "
         ".med .bdf .vtu .xdmf ...); its x and y are x2 and x3"
     )
@@ -62,7 +62,7 @@ def _as_list(value: Any) -> Any:
 def _field(parameter: Parameter) -> tuple[Any, Any]:
     """Return type and field of a size."""
     if parameter.text:
-        kind: Any = str
+        kind: Any = FilePath
     else:
         bounds = Field(gt=parameter.above, ge=parameter.least, le=parameter.most)
         kind = Annotated[float, bounds]

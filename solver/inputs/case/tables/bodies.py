@@ -398,4 +398,6 @@ class ImportedBody(Reducible, Deformed):
     model_config = ConfigDict(populate_by_name=True)  # run files have the name of the field
 
     kind: Literal["imported"]
-    file: str = entry("path of the import file (TOML), relative to the case file", alias="import")
+    file: FilePath = entry(
+        "path of the import file (TOML), relative to the case file", alias="import"
+    )
