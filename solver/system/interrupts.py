@@ -24,7 +24,7 @@ SAME_S = 0.3  # a worker receives a signal to the group twice: by itself, and fr
 
 _received: list[int] = []  # since the command began
 _commands = 0  # that are under way in this process
-_written: list[str] = []  # the last file that this process has completed
+_written: dict[str, None] = {}  # files that this process has completed
 
 
 @contextlib.contextmanager
@@ -78,13 +78,14 @@ def _send_again(number: int) -> None:
 
 def note_complete(file: str) -> None:
     """Note a file that is complete under its name."""
-    _written[:] = [file]
+    _written[file] = None
 
 
 def ending_words() -> str:
     """Return what an interrupted command says of its files."""
-    if _written:
-        return f"interrupted: complete files are kept, the last is {_written[0]}"
+    kept = [file for file in _written if os.path.exists(file)]  # not of temporary folders
+    if kept:
+        return f"interrupted: complete files are kept, the last is {kept[-1]}"
     return "interrupted: nothing written"
 
 

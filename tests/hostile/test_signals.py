@@ -22,7 +22,12 @@ from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.results import read_result
 from plymotion.solver.run.timing import PACE, StageProgress
 from plymotion.solver.studies.sweep.file import read_sweep
-from plymotion.solver.system.interrupts import completing, handled_signals
+from plymotion.solver.system.interrupts import (
+    completing,
+    ending_words,
+    handled_signals,
+    note_complete,
+)
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="no such signals")
 SIGNALS = [signal.SIGINT, signal.SIGTERM, signal.SIGHUP]
@@ -201,6 +206,17 @@ def test_an_end_before_the_beginning(tmp_path, number):
         assert done.returncode == 128 + number
         assert not (build / "base").exists()
         count(f"run: {signal.Signals(number).name} while it imports", "recovered")
+
+
+def test_files_of_temporary_folders_are_not_called_kept(tmp_path):
+    """The run file of `sensitivities` was, which is read from such a folder."""
+    (tmp_path / "kept").touch()
+    with handled_signals():
+        for name in ("kept", "gone"):
+            note_complete(str(tmp_path / name))
+        assert ending_words().endswith(f"the last is {tmp_path / 'kept'}")
+        (tmp_path / "kept").unlink()
+        assert ending_words() == "interrupted: nothing written"
 
 
 def test_an_ignored_signal_stays_ignored(tmp_path):
