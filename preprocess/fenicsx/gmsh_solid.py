@@ -13,7 +13,15 @@ from ...solver.errors import few
 from ...solver.math.arrays import Array, IntArray
 from ...solver.package.specification import CAD, CAD_WITH_UNIT
 from .gmsh_alone import allow, define, read
-from .gmsh_surface import check_count, check_finite, curves, gmsh_session, opened, physical
+from .gmsh_surface import (
+    all_found,
+    check_count,
+    check_finite,
+    curves,
+    gmsh_session,
+    opened,
+    physical,
+)
 from .plain import PlainMesh
 from .stack import MeshError, gmsh
 
@@ -300,12 +308,13 @@ def _check_surface(path: Path, key: str) -> None:
 def _read(path: Path, metres: float, exact: tuple[CadPart, ...]) -> GmshSolid:
     """The current model as arrays in metres."""
     groups = _volume_groups(path)
-    kinds = sorted(int(kind) for kind in gmsh.model.mesh.getElementTypes(3))
-    if len(kinds) != 1 or kinds[0] not in CELLS:
+    kinds, cells, _ = gmsh.model.mesh.getElements(3)
+    whole = all_found(cells, "Tetrahedra", "Hexahedra")
+    if len(kinds) != 1 or kinds[0] not in CELLS or not whole:
         names = few(gmsh.model.mesh.getElementProperties(kind)[0] for kind in kinds)
         raise MeshError(
             f"{path}: has {names or 'no solid cells'}; expected tetrahedra (4 or 10 nodes) or "
-            "hexahedra (8 or 27 nodes), one kind only"
+            "hexahedra (8 or 27 nodes), one kind and degree only"
         )
     if CELLS[kinds[0]] == 1:
         gmsh.model.mesh.setOrder(2)

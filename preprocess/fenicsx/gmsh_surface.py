@@ -81,8 +81,8 @@ def _cells(kind: int, entities: Sequence[int], width: int) -> IntArray:
 def _check_kinds(where: str) -> None:
     if len(gmsh.model.mesh.getElementTypes(3)):
         raise MeshError(f"{where}: has solid (3-D) cells, expected a mesh of surfaces only")
-    kinds = [int(kind) for kind in gmsh.model.mesh.getElementTypes(2)]
-    if not kinds:
+    kinds, cells, _ = gmsh.model.mesh.getElements(2)
+    if not len(kinds):
         raise MeshError(f"{where}: has no surface cells")
     for kind in kinds:
         if kind not in CELLS:
@@ -91,19 +91,30 @@ def _check_kinds(where: str) -> None:
                 f"{where}: has cells of kind {name!r}, expected triangles or quadrilaterals of "
                 "degree 1 or 2 (gmsh: Mesh.ElementOrder = 2;)"
             )
-    if set(kinds) == {2, 3}:
+    whole = all_found(cells, "Triangles", "Quadrangles")
+    if set(kinds) == {2, 3} and whole:
         return
     if len({CELLS[kind][0] for kind in kinds}) > 1:
         count = {CELLS[kind][0]: 0 for kind in kinds}
-        for kind in kinds:
-            count[CELLS[kind][0]] += len(gmsh.model.mesh.getElementsByType(kind)[0])
+        for kind, of_kind in zip(kinds, cells, strict=True):
+            count[CELLS[kind][0]] += len(of_kind)
         raise MeshError(
             f"{where}: mixes {count['triangle']} triangles and {count['quadrilateral']} "
             "quadrilaterals: only those of degree 1 may be mixed. In gmsh, remove every "
             "`Recombine` for triangles only, or set Mesh.SubdivisionAlgorithm = 1;"
         )
-    if len(kinds) > 1:
+    if len(kinds) > 1 or not whole:
         raise MeshError(f"{where}: mixes cells of degree 1 and 2, or with 8 and 9 nodes")
+
+
+def all_found(cells: Sequence[IntArray], *shapes: str) -> bool:
+    """Whether getElements has returned all cells of some shapes (Triangles, Quadrangles, ...).
+
+    gmsh takes the cells of an entity for those of the degree of its first one: getElements leaves
+    others out, and getElementsByType reads or writes beyond its arrays.
+    """
+    count = sum(gmsh.option.getNumber(f"Mesh.Nb{shape}") for shape in shapes)
+    return sum(map(len, cells)) == count
 
 
 def _surface_groups(where: str) -> dict[str, list[int]]:

@@ -68,14 +68,15 @@ def mesh(tmp_path: Path) -> Mesher:
     return make
 
 
-def cells_file(path: Path, nodes: Any, cells: Any, kind: int) -> Path:
-    """A mesh in gmsh's format 2.2 by hand, one physical surface "body"."""
+def cells_file(path: Path, nodes: Any, cells: Any, *kinds: int) -> Path:
+    """A mesh in gmsh's format 2.2 by hand, one physical surface "body"; one kind, or one a cell."""
     lines = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat"]
     lines += ["$PhysicalNames", "1", '2 1 "body"', "$EndPhysicalNames"]
     lines += ["$Nodes", str(len(nodes))]
     lines += [f"{i} {x} {y} {z[0] if z else 0}" for i, (x, y, *z) in enumerate(nodes, start=1)]
     lines += ["$EndNodes", "$Elements", str(len(cells))]
     for i, cell in enumerate(cells, start=1):
+        kind = kinds[i - 1] if kinds[1:] else kinds[0]
         lines.append(f"{i} {kind} 2 1 1 " + " ".join(str(node + 1) for node in cell))
     path.write_text("\n".join([*lines, "$EndElements", ""]))
     return path
@@ -97,6 +98,17 @@ SOUND = squares((0, 0)) + groups(body="1")
 def test_a_sound_mesh_passes(mesh: Mesher) -> None:
     assert codes(mesh(SOUND)) == []
     assert mesh(SOUND).cells.n_cell == 4
+
+
+def test_cells_of_two_degrees_in_a_surface(tmp_path: Path) -> None:
+    """gmsh takes the degree of the first for that of all: its arrays were too short."""
+    nodes = [(0, 0), (1, 0), (1, 1), (0, 1), (2, 0), (2, 1), (1.5, 0), (2, 0.5), (1.5, 1)]
+    nodes += [(1, 0.5), (1.5, 0.5)]
+    mixed = {3: [0, 1, 2, 3], 10: [1, 4, 5, 2, 6, 7, 8, 9, 10]}
+    for kinds in ((3, 10), (10, 3)):
+        path = cells_file(tmp_path / "part.msh", nodes, [mixed[k] for k in kinds], *kinds)
+        with pytest.raises(SectionError, match="mixes cells of degree 1 and 2"):
+            section_mesh({"file": str(path)}, "part.mesh")
 
 
 # parts
