@@ -274,7 +274,8 @@ def test_a_signal_at_any_time_of_a_batch_of_sections(repository, tmp_path, fenic
     files = [repository / f"cases/sections/{name}.toml" for name in names]
     words = ["section", *files, "--jobs", "2", "--no-figures"]
     for out in storm("section", tmp_path, words, tries(3, 8), tries(3, 66)):
-        for file in out.glob("*/*.vtkhdf"):
+        # a preprocessor that is busy for 2 s is killed; the next one removes its hidden file
+        for file in out.glob("*/[!.]*.vtkhdf"):
             assert read_section(file).K.shape == (6, 6)
 
 
