@@ -16,6 +16,7 @@ EULER = np.pi**2 * K[5, 5] / (4.0 * LENGTH**2)
 BEND = 0.3 * K[5, 5] / LENGTH**3  # as in test_judgement.py
 GROUND = "[ground.o]\nposition = [0.0, 0.0, 0.0]\n"
 WEIGHT = "gravity = [0.0, -9.81, 0.0]\n"
+ALPHA = {"integrator": "generalized-alpha", "constraints": "ggl"}
 
 
 def found(tmp_path, text, packages=None, *, t_end, step, **solver):
@@ -159,20 +160,42 @@ def test_a_drive_that_is_fast_is_no_unstable_feedback(tmp_path):
     assert "motion-grows" not in codes(summary)
 
 
-@pytest.mark.parametrize("count", [61, 201])
-def test_a_spline_with_a_jump_is_no_unstable_feedback(tmp_path, count):
-    """Its ripples grow towards the jump as fast as a motion that is unstable."""
+def test_a_drive_that_turns_at_a_constant_rate_does_no_work(tmp_path):
+    """Errors of Newton's iteration had one sign in all steps: 0.01 of the kinetic energy."""
+    drive = "drive = { polynomial = [0.0, 1.0e5] }"
+    summary = found(tmp_path, crank(drive), t_end=0.01, step=0.001, integrator="radau")
+    assert codes(summary) == {}
+    assert abs(summary["checks"]["drive_work"]) < 1e-4 * 5.5e9
+
+
+@pytest.mark.parametrize(
+    ("count", "solver"),
+    [(61, {"integrator": "radau"}), (201, {"integrator": "radau"}), (61, ALPHA)],
+)
+def test_a_spline_with_a_jump_is_no_unstable_feedback(tmp_path, count, solver):
+    """Its ripples grow towards the jump as fast as a motion that is unstable.
+
+    The energy balance: generalized-alpha takes the interval of the jump in a step without one
+    before, and missed 0.58 of the work there.
+    """
     times = np.round(np.linspace(0.0, 1.0, count), 6).tolist()
     values = [0.0] * (count - 1) + [1.0]
     drive = f"drive = {{ table = {{ times = {times}, values = {values} }} }}"
     text = slide(0.0, 1.0, drive).split("[forces")[0]
-    summary = found(tmp_path, text, t_end=1.0, step=0.002, integrator="radau")
-    assert "motion-grows" not in codes(summary)
+    summary = found(tmp_path, text, t_end=1.0, step=0.002, **solver)
+    assert codes(summary) == {}
+
+
+def test_the_work_of_a_steep_drive(tmp_path):
+    """What a drive prescribes has no error at the ends of steps, however long; its work has."""
+    drive = "drive = { smooth_step = { value = 3.0, duration = 0.05 } }"
+    summary = found(tmp_path, crank(drive), t_end=0.1, step=0.01, rtol=1e-2, **ALPHA)
+    assert codes(summary) == {}
 
 
 def test_no_impact_is_looked_for_where_nothing_jumps(tmp_path):
-    drive = "drive = { smooth_step = { value = 3.0, duration = 0.05 } }"
-    summary = found(tmp_path, crank(drive), t_end=0.1, step=0.01, rtol=1e-2, integrator="radau")
+    drive = "drive = { smooth_step = { value = 30.0, duration = 0.05 } }"
+    summary = found(tmp_path, crank(drive), t_end=0.1, step=0.01, rtol=1e-1, integrator="radau")
     words = codes(summary)["energy-jump"]["message"]
     assert "impact" not in words
     assert "decrease rtol, or set max_step" in words

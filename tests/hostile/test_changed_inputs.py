@@ -191,20 +191,21 @@ def test_extreme_pendulums(block, tmp_path, capfd):
     _told(failures)
 
 
-def test_an_overflow_names_the_number(tmp_path, capfd):
-    values = {"mass": 1.0, "inertia": 1.0, "length": 1e152, "gravity": 1.0}
-    sweep = '[sweeps.s]\nrun = "base"\nvary = { "bodies.rod.mass" = [1.0] }\n'
+@pytest.mark.parametrize(
+    ("key", "name", "value"), [("length", "centre.0", 1e152), ("mass", "mass", 1.5e-316)]
+)
+def test_an_overflow_names_the_number(tmp_path, capfd, key, name, value):
+    values = {"mass": 1.0, "inertia": 1.0, "length": 1.0, "gravity": 1.0} | {key: value}
+    sweep = '[sweeps.s]\nrun = "base"\nvary = { "gravity.0" = [0.0] }\n'
     text = PENDULUM.format(**values, t_end=1e-3, step=1e-3) + sweep
     (tmp_path / "case.toml").write_text(text)
     out = tmp_path / "out"
     assert main(["check", str(tmp_path / "case.toml"), "--out", str(out)]) == 0
     assert main(["run", str(out / "runs/base.json"), "--quiet"]) == 2
-    told = f"{out / 'runs/base.json'}: bodies.rod.centre.0 = 1e+152: expected numbers whose"
-    assert told in capfd.readouterr().err
+    told = f"bodies.rod.{name} = {value:g}: expected numbers whose"
+    assert f"{out / 'runs/base.json'}: {told}" in capfd.readouterr().err
     assert main(["sweep", str(out / "sweeps/s.json"), "--quiet", "--no-figures"]) == 3
-    assert (
-        "failed [input] bodies.rod.mass = 1: s: bodies.rod.centre.0 = 1e" in capfd.readouterr().out
-    )
+    assert f"failed [input] gravity.0 = 0: s: {told}" in capfd.readouterr().out
 
 
 def test_changed_sweep_files(tmp_path, capsys):

@@ -85,7 +85,8 @@ def extent(model: Model, y0: Array) -> float:
     box = float(np.linalg.norm(np.ptp(points, axis=0)))
     held = model.mass > 0.0
     moments = np.trace(model.T00 + 0.5 * model.J0, axis1=1, axis2=2)  # rigid bodies are in J0
-    square = moments[held] / model.mass[held]
+    with np.errstate(over="raise"):  # of a mass near the least number, which the message names
+        square = moments[held] / model.mass[held]
     return max(box, float(np.sqrt(square.max(initial=0.0)))) or 1.0
 
 

@@ -25,7 +25,9 @@ from .alpha_stages import (
     AlphaWorkspace,
     Scheme,
     accept,
+    bent_work,
     correction_size,
+    driving_power,
     interpolate,
     local_error,
     middle_rates,
@@ -118,6 +120,7 @@ def advance_alpha(
         predict(model, scheme, workspace, h)
         _solve_end(model, options, scheme, workspace, t_new, h, refused, opening)
         factor = _estimate_error(model, options, scheme, workspace, h)
+        power, factor = _estimate_work(model, options, workspace, t_new, h, factor)
         refused = h if counts[TROUBLE] == NEWTON else 0.0
 
         if counts[TROUBLE] != NONE:
@@ -129,7 +132,7 @@ def advance_alpha(
                 return code, filled
             continue
 
-        accept(model, scheme, workspace, h, _power(model, workspace, t_new))
+        accept(model, scheme, workspace, h, power)
         factor = max(MIN_FACTOR, min(MAX_FACTOR, factor))
         clock[NEXT] = h if 1.0 <= factor < HYSTERESIS else h * factor
         count_step(clock, counts, h, t_new)
@@ -335,9 +338,9 @@ def _estimate_error(
     if counts[TROUBLE] != NONE:
         return factor
     place(model, workspace)
+    if not workspace.clock[TAKEN] > 0.0:
+        middle_rates(model, workspace, workspace.clock[TIME], h)
     if not options.fixed_step > 0.0:
-        if not workspace.clock[TAKEN] > 0.0:
-            middle_rates(model, workspace, workspace.clock[TIME], h)
         error = local_error(model, options, scheme, workspace, h)
         if not error < 1e300:
             counts[TROUBLE] = ILL
@@ -348,6 +351,30 @@ def _estimate_error(
     if not finite(workspace.stage):
         counts[TROUBLE] = ILL
     return factor
+
+
+@inlined
+def _estimate_work(
+    model: Model,
+    options: Options,
+    workspace: AlphaWorkspace,
+    t_new: float,
+    h: float,
+    factor: float,
+) -> tuple[float, float]:
+    """Return the power at the end of the step [W], and the factor of the next by its work too."""
+    counts = workspace.counts
+    if counts[TROUBLE] != NONE:
+        return 0.0, factor
+    power = _power(model, workspace, t_new)
+    if not options.fixed_step > 0.0:
+        last = workspace.y.shape[0] - 1
+        error = abs(bent_work(workspace, h, power)) * workspace.weight[last]
+        error *= 4.0 * options.rtol ** (1.0 / 3.0)  # the tolerance of a run is this, to the cube
+        factor = min(factor, SAFETY * max(error, 1e-6) ** (-1.0 / 3.0))
+        if error > 1.0:
+            counts[TROUBLE] = TOO_ROUGH
+    return power, factor
 
 
 @inlined
@@ -364,10 +391,7 @@ def _power(model: Model, workspace: AlphaWorkspace, t_new: float) -> float:
     evaluate(model, work, t_new, workspace.stage)
     accelerate(model, work, t_new, workspace.stage)
     workspace.counts[EVALUATIONS] += 1
-    power = work.power[0]
-    for k in range(n_c):
-        power += work.multipliers[k] * work.rows[k, PHI_T]
-    return float(power)
+    return driving_power(model, work)
 
 
 @inlined

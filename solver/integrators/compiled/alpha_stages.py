@@ -9,7 +9,7 @@ from ...dynamics.evaluation.accelerations import accelerate, derivative_into
 from ...dynamics.evaluation.elimination import solve
 from ...dynamics.evaluation.evaluation import evaluate
 from ...dynamics.model.coordinates import move, rates_into
-from ...dynamics.model.model import Model, Workspace, new_workspace
+from ...dynamics.model.model import PHI_T, Model, Workspace, new_workspace
 from ...errors import did_you_mean
 from ...math.arrays import Array, IntArray
 from ...math.compiled import inlined, lean, structure
@@ -37,7 +37,7 @@ MAX_ITERATIONS = 8
 TOLERANCE = 0.05  # of the local error allowed, left over by Newton's iteration
 SMALL = 1e-3  # part of it: corrections that do not fall any more are rounding
 # Entries of `clock` after those of every loop (step_control.py): power at the ends of the last
-# step.
+# step, and in the middle of one without a step before.
 POWER, POWER_LAST = 3, 4
 
 
@@ -292,6 +292,7 @@ def middle_rates(model: Model, workspace: AlphaWorkspace, t: float, h: float) ->
     for i in range(model.n_vel):
         ends = workspace.rate[n_pos + i] + workspace.stage_rate[n_pos + i]
         workspace.change[i] = 4.0 * (ends - 2.0 * workspace.change[i]) / h**2
+    workspace.clock[POWER_LAST] = driving_power(model, work)
     evaluate(model, work, t + h, workspace.stage)
     workspace.counts[EVALUATIONS] += 2
 
@@ -366,6 +367,34 @@ def local_error(
 
 
 @inlined
+def driving_power(model: Model, work: Workspace) -> float:
+    """Return the power of drives and forces at the last evaluation and its multipliers [W]."""
+    power = work.power[0]
+    for k in range(model.n_constraint):
+        power += work.multipliers[k] * work.rows[k, PHI_T]
+    return float(power)
+
+
+@inlined
+def bent_work(workspace: AlphaWorkspace, h: float, power: float) -> float:
+    """Return the work of a parabola over that of the trapezoidal rule [J].
+
+    Through the powers of this step and the last one; without a last one, through its middle.
+
+    Parameters
+    ----------
+    workspace : memory of the run
+    h : step size [s]
+    power : power of drives and dampers at the end of the step [W]
+    """
+    clock, last = workspace.clock, workspace.clock[TAKEN]
+    if not last > 0.0:
+        return float(h / 3.0 * (2.0 * clock[POWER_LAST] - clock[POWER] - power))
+    slope = (power - clock[POWER]) / h - (clock[POWER] - clock[POWER_LAST]) / last
+    return float(-(h**3) / 6.0 * slope / (h + last))
+
+
+@inlined
 def accept(model: Model, scheme: Scheme, workspace: AlphaWorkspace, h: float, power: float) -> None:
     """Make the end of the step the state.
 
@@ -377,12 +406,8 @@ def accept(model: Model, scheme: Scheme, workspace: AlphaWorkspace, h: float, po
     h : step size [s]
     power : power of drives and dampers at the end of the step [W]
     """
-    clock, n_pos, last = workspace.clock, model.n_pos, workspace.clock[TAKEN]
-    n = workspace.y.shape[0] - 1
-    work = 0.5 * h * (clock[POWER] + power)
-    if last > 0.0:  # a parabola through this step's and the last one's powers
-        slope = (power - clock[POWER]) / h - (clock[POWER] - clock[POWER_LAST]) / last
-        work -= h**3 / 6.0 * slope / (h + last)
+    clock, n_pos, n = workspace.clock, model.n_pos, workspace.y.shape[0] - 1
+    work = 0.5 * h * (clock[POWER] + power) + bent_work(workspace, h, power)
     clock[POWER_LAST], clock[POWER] = clock[POWER], power
     workspace.stage[n] = workspace.y[n] + work
     rates_into(model, workspace.stage, workspace.stage_rate)

@@ -6,7 +6,7 @@ Equations II, section IV.8, is the source of the transformation, the error estim
 control of steps.
 """
 
-from ...dynamics.model.model import Model
+from ...dynamics.model.model import PHI_T, Model
 from ...math.arrays import Array
 from ...math.compiled import inlined, lean
 from .closing import close
@@ -192,7 +192,7 @@ def _solve_stages(
     most = 2 * MAX_ITERATIONS if fixed else MAX_ITERATIONS
     tolerance = max(2e-15 / options.rtol, min(0.01, options.rtol**0.5))
     # a rate of convergence known from the last step lets one iteration do
-    rate, size_last = max(clock[RATE], 1e-15) ** 0.8, 0.0
+    rate, size_last, work_last = max(clock[RATE], 1e-15) ** 0.8, 0.0, INFINITE
     # Without a prediction the first correction is nearly all of the motion. The second one over it
     # then says nothing of a steep law, such as friction on a body that begins to slide. Fixed steps
     # have no error control.
@@ -207,7 +207,7 @@ def _solve_stages(
         transform_residuals(model, workspace)
         solve_pencil(model, frozen, workspace.real, MU / h)
         solve_pencil(model, frozen, workspace.pair, NU / h)
-        size = correct(options, workspace)
+        size, work = correct(model, options, workspace, h)
         if not size < INFINITE:
             if iteration == 1:  # later it is the iteration that runs away
                 counts[TROUBLE] = ILL
@@ -220,14 +220,18 @@ def _solve_stages(
             to_go = most - iteration
             # The first correction of a good prediction may be smaller than the second, which
             # answers the change of multipliers: two are not enough to see a divergence.
-            judged = not fixed and (iteration > 2 or rate > DIVERGES)
+            judged = not fixed and counts[TROUBLE] != NONE and (iteration > 2 or rate > DIVERGES)
             if judged and (rate >= 1.0 or rate**to_go / (1.0 - rate) * size > tolerance):
                 return iteration
         known = not unpredicted or iteration != 2 or size < tolerance
         if converged or (known and rate < 1.0 and rate / (1.0 - rate) * size < tolerance):
             counts[TROUBLE], clock[RATE] = NONE, rate
+        # The error of multipliers has one sign for a drive that turns on and on: its work is the
+        # sum over all steps. Closed joints correct the motion, not the work.
+        summed = work * workspace.weight[workspace.y.shape[0] - 1] * (1.0 + counts[STEPS])
+        if counts[TROUBLE] == NONE and not 1.0 < summed < work_last:
             return iteration
-        size_last = size
+        size_last, work_last = size, summed
     return most
 
 
@@ -250,6 +254,8 @@ def _stage_residuals(
             workspace.gamma[k],
             workspace.r[k],
         )
+        for i in range(model.n_constraint):
+            workspace.driven[k, i] = work.rows[i, PHI_T]
         if first and k == 1:
             freeze(model, work, t + C[k] * h, stage, frozen)
             update_tension(

@@ -89,6 +89,7 @@ class RadauWorkspace(NamedTuple):
     multipliers_old: Array  # (3, n_r) at those of the last step
     predicted: Array  # (3, n_r) at the stages, before the iteration
     power: Array  # (3,) at the stages [W]
+    driven: Array  # (3, n_c) rates of the constraints by time at the stages
     load: Array  # (3, nb, n) residuals of the stages: forces,
     gamma: Array  # (3, n_r) constraints and laws of elements
     r: Array  # (3, n) and kinematics
@@ -132,6 +133,7 @@ def new_radau_workspace(model: Model, t: float, y: Array, first_step: float) -> 
         np.zeros((3, n_r)),
         np.zeros((3, n_r)),
         np.zeros(3),
+        np.zeros((3, model.n_constraint)),
         np.zeros((3, nb, widest)),
         np.zeros((3, n_r)),
         np.zeros((3, n)),
@@ -303,13 +305,25 @@ def _decouple(a: float, b: float, c: float) -> tuple[float, complex]:
 
 
 @inlined
-def correct(options: Options, workspace: RadauWorkspace) -> float:
-    """Add the pencils' answers to stages and multipliers; return their size in tolerances."""
+def correct(
+    model: Model, options: Options, workspace: RadauWorkspace, h: float
+) -> tuple[float, float]:
+    """Add the pencils' answers to stages, multipliers and the power of drives.
+
+    Returns their size in tolerances, and the change of the work of drives in a step of h [J].
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    options : tolerances and options of the run (step_control.py)
+    workspace : memory of the run
+    h : step size [s]
+    """
     real, pair, Z, L = workspace.real, workspace.pair, workspace.Z, workspace.multipliers
     stage = workspace.stage
     n = stage.shape[0] - 1
     stage[n] = 0.0
-    size = 0.0
+    size, work = 0.0, 0.0
     for k in range(3):
         t0, t1, t2 = T[k, 0], T[k, 1], T[k, 2]
         for i in range(n):
@@ -319,11 +333,16 @@ def correct(options: Options, workspace: RadauWorkspace) -> float:
             Z[k, i] += change
         for i in range(L.shape[1]):
             c = pair.mu[i]
-            L[k, i] += t0 * real.mu[i] + t1 * c.real + t2 * c.imag
+            change = t0 * real.mu[i] + t1 * c.real + t2 * c.imag
+            L[k, i] += change
+            if i < model.n_constraint:
+                power = change * workspace.driven[k, i]
+                workspace.power[k] += power
+                work += h * A[2, k] * power
         largest = norm(options, stage, workspace.weight)
         if largest > size or largest != largest:
             size = largest
-    return size
+    return size, abs(work)
 
 
 @inlined
