@@ -32,6 +32,7 @@ REMEMBERED = 64  # lengths of a cell in which a shorter one keeps steps short en
 GAP = 2.0**-46  # of the run: an instant of a jump is known to that
 Range = tuple[Array, Array]  # bounds over k intervals, (k,) each
 JUMPING = frozenset((op.LESS, op.LESS_EQUAL, op.SIGN, op.FLOOR))
+RISING = frozenset((op.TANH, op.ARCTAN, op.ARCTAN2))  # steep and flat, with smooth bends between
 Ranges = Callable[[Array, Array], list[Range]]  # bounds of every part of a law over intervals
 
 
@@ -150,7 +151,7 @@ def _of_program(
         for part in parts_over(low, high):
             if drive or part.code in JUMPING:
                 jump |= part.breaks
-            elif part.code != op.TANH:  # smooth: a narrow part
+            elif part.code not in RISING:  # smooth: a narrow part
                 kink |= part.breaks
         return kink, jump
 

@@ -16,13 +16,13 @@ from ..math.compiled import inlined, lean, structure
 from ..math.expressions import operations as op
 from ..math.expressions.operations import Programs
 from ..math.expressions.ranges import bound_parts
-from .breakpoints import JUMPING, JUMPS, SPLIT, VARIES
+from .breakpoints import JUMPING, JUMPS, RISING, SPLIT, VARIES
 
 SHORTEST = 1e-6  # part of a step: what a shorter peak adds to the motion is below its rounding
 WIDER = 4.0  # ranges of a step, by which the bounds without variation are wider
 HALVES, LOOKS = 48, 4  # of a step, in which a break is located, and is looked for
 SAME = 1e-9  # part of a step, within which two breaks are one: x > 1 and max(x - 1, 0)
-BREAKING = JUMPING | {op.ABS, op.MINIMUM, op.MAXIMUM, op.SMOOTH, op.CURVE, op.TANH}
+BREAKING = JUMPING | {op.ABS, op.MINIMUM, op.MAXIMUM, op.SMOOTH, op.CURVE} | RISING
 # BEND: largest error that a bend of a force causes in a step (of rk5, rk8, radau), as a factor of
 # the length of the step and of the distance of the force from its continuation. BESIDE: distance
 # of the points beside a bend, of the shorter part of the step. ROUNDING: of a force.
@@ -87,7 +87,7 @@ def watched_expression(model: Model, p: int, points: Array, cells: Array) -> Wat
         p,
         model.quantities.stack,
         bool((codes == op.TIME).any()),
-        bool((codes == op.TANH).any()),
+        bool(np.isin(codes, list(RISING)).any()),
         loads,
         np.where(cubic, loads + 1, of_states),
         np.where(rates, loads - 1, -1),

@@ -101,6 +101,19 @@ def test_smoothed_friction_as_wide_as_a_step(tmp_path, integrator, rtol):
     assert not summary["warnings"]
 
 
+@pytest.mark.parametrize("law", ["atan2(x, 0.01)", "atan(100 * x)"])
+def test_a_rise_by_an_arc_tangent_is_one_as_by_tanh(tmp_path, law):
+    """Steps of rk8 went over its bends: 17 rtol after twelve swings, and steps refused."""
+    forces = force("law", "coordinate_force", joint="rail", expression=f"-100 * {law}")
+    rate = lambda t, y: [y[1], -100 * np.arctan(100 * y[0])]  # noqa: E731
+    start = np.array([0.0, 12.0])
+    exact = solve_ivp(rate, (0, 4.0), start, "DOP853", rtol=1e-10, atol=1e-11).y[0, -1]
+    text = carriage(forces, speed=12.0)
+    _, found, summary = run(tmp_path, text, 4.0, 0.5, 'integrator = "rk8"\n')
+    assert found["x"][-1] == pytest.approx(exact, abs=2 * RTOL)
+    assert not summary["warnings"]
+
+
 @pytest.mark.parametrize(("integrator", "rtol"), [("rk5", 3e-5), ("radau", RTOL)])
 def test_friction_at_rest_costs_no_stops(tmp_path, integrator, rtol):
     """Explicit steps throw the mass over the rise of the friction that holds it, and back."""

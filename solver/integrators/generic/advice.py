@@ -84,8 +84,8 @@ GROWN = 1e3
 SHORTER = "error control (no fixed step) shortens it by itself"
 WANTED = "If it is the motion that is wanted, an output_step that shows it"
 STALLED = (
-    "radau, which damps vibrations of no interest, or rk8 where nothing vibrates; a larger rtol, "
-    f"fewer modes, or damping of the body or element. {WANTED}"
+    "radau, or gear with max_order = 2, which damp vibrations of no interest, or rk8 where nothing "
+    f"vibrates; a larger rtol, fewer modes, or damping of the body or element. {WANTED}"
 )
 NOT_FINITE = "Look for a singular position, a division by zero or unstable motion just after it"
 OTHERWISE = (

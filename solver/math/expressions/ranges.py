@@ -16,8 +16,9 @@ from . import operations as op
 from .operations import Programs
 from .program import unary
 
-# Arguments of tanh at which it bends, for a step that is long beside its rise: where it begins, and
-# where it is steep, as a step of rk5 from one flat side to the steep part was off by 30 tolerances.
+# Arguments of tanh and atan at which they bend, for a step that is long beside the rise: where it
+# begins, and where it is steep, as a step of rk5 from one flat side to the steep part was off by
+# 30 tolerances.
 FLAT, STEEP = 4.0, 1.0
 PLACES = 5  # of a piece of a curve at which its values are looked at
 
@@ -158,6 +159,10 @@ def bound_parts(
                 may = u <= x and w <= v and (u < v or w < x)
                 if point:  # that of the value: where both are the same it has not jumped yet
                     branch = int(u <= w if code == op.LESS_EQUAL else u < w)
+            elif code == op.ARCTAN2 and 0.0 < w == x:  # atan of a quotient
+                may = _breaks(op.ARCTAN, u / w, v / w)
+                if point:
+                    branch = _rise(u / w)
         stack[k, 0], stack[k, 1] = bounds[part, 0], bounds[part, 1] = low, high
         breaks[part] = 1 if may else branch
         part += 1
@@ -218,14 +223,14 @@ def _breaks(code: int, u: float, v: float) -> bool:
         return u <= 0.0 and v >= 0.0 and u < v
     if code == op.FLOOR:
         return bool(np.floor(u) < np.floor(v))
-    if code == op.TANH:
+    if code in (op.TANH, op.ARCTAN):
         return _rise(u) != _rise(v)
     return code == op.SMOOTH and ((u <= 0.0 and v > 0.0) or (u < 1.0 and v >= 1.0))
 
 
 @inlined
 def _rise(u: float) -> int:
-    """Return the part of tanh in which u is."""
+    """Return the part of tanh or atan in which u is."""
     return int(u >= -FLAT) + int(u >= -STEEP) + int(u >= STEEP) + int(u >= FLAT)
 
 
@@ -238,7 +243,7 @@ def _branch(code: int, u: float) -> int:
         return int(np.floor(u))
     if code == op.SMOOTH:
         return 2 if u >= 1.0 else 1 if u > 0.0 else 0
-    if code == op.TANH:
+    if code in (op.TANH, op.ARCTAN):
         return _rise(u)
     return 0
 
