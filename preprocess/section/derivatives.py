@@ -7,22 +7,20 @@ satisfy
 
     load_in_section(s) - P T = 0,   Z' P = 1,   P = load_along_beam(s),
 
-and S = K^-1 is the work of s and e. These equations are linear in C and smooth in the positions of
-the points: `_terms` evaluates them with the rate of C, or with complex numbers whose imaginary
-parts are rates. What remains is one more solution, by the factors of the analysis, with what the
-rates leave in the equations as loads.
+and S = K^-1 is the work of s and e. These equations are linear in C: `stiffness_terms` evaluates
+them with the rate of C. What remains is one more solution, by the factors of the analysis, with
+what the rates leave in the equations as loads.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from ...solver.math.arrays import Array, IntArray
-from ...solver.package.common.materials import bond
 from .helical import CentralSolutions, Equations, TwistedStrains, change_of_resultants, flat
 from .recovery import Result, middles, nodal_displacements, unit_displacements
-from .section_parameters import TINY, Rates
+from .section_parameters import TURN, TURNING, Rates
 from .space.layers import Layup
 from .space.space import SectionSpace
 from .timoshenko import CLASSICAL, SHEAR, mass_centre, mass_matrix, shear_centre, tension_centre
@@ -83,15 +81,13 @@ class Terms:
     work: Array  # (6, 6)
 
 
-def _terms(at: Operators, stress: Array, strain: Array, T: Array, Z: Array) -> Terms:
-    P = at.load_along_beam(stress)
-    return Terms(at.load_in_section(stress) - P @ T, Z.T @ P, at.work(stress, strain))
-
-
 def stiffness_terms(state: Central, cells: IntArray, dC: Array) -> Terms:
     """Rates of the terms by the rate dC (s, 1 or q, 6, 6) of the stiffness of some own cells."""
-    strain = state.strain[cells]
-    return _terms(state.at.of_some(cells), dC @ strain, strain, state.T, state.Z)
+    at, strain = state.at.of_some(cells), state.strain[cells]
+    stress = dC @ strain
+    P = at.load_along_beam(stress)
+    load = at.load_in_section(stress) - P @ state.T
+    return Terms(load, state.Z.T @ P, at.work(stress, strain))
 
 
 class PrismaticSolver:
@@ -150,47 +146,28 @@ class PrismaticSolver:
 
 
 @dataclass(frozen=True)
-class Change:
-    """Rates of the stiffness and of the central solutions."""
+class Changes:
+    """Rates of the stiffness and of the central solutions, by p parameters."""
 
-    K: Array  # (6, 6)
-    W: Array  # (n_dof, 6)
-    Q: Array  # (n_dof, 6)
+    K: Array  # (p, 6, 6)
+    W: Array  # (n_dof, p, 6)
+    Q: Array  # (n_dof, p, 6)
 
 
-def changed(state: Central, solver: "Solver", terms: Sequence[Terms]) -> list[Change]:
+def changed(state: Central, solver: "Solver", terms: Sequence[Terms]) -> Changes:
     """Return what rates of the terms bring about, for each of them."""
     load = -np.stack([one.load for one in terms], axis=1)
     W, S_e = solver.solve(load, -np.stack([one.resultants for one in terms], axis=1))
     Q = W @ state.T + (state.Z @ flat(S_e)).reshape(W.shape)
     # the stresses are in equilibrium: their work on new strains is that of P
-    N = (state.P.T @ flat(W)).reshape(S_e.shape)
-    changes = []
-    for i, one in enumerate(terms):
-        S = one.work + 2.0 * (state.T.T @ N[:, i] + N[:, i] @ state.T + S_e[:, i])
-        K = -state.K @ (0.5 * (S + S.T)) @ state.K
-        changes.append(Change(0.5 * (K + K.T), W[:, i], Q[:, i]))
-    return changes
+    N = np.swapaxes((state.P.T @ flat(W)).reshape(S_e.shape), 0, 1)
+    S = 2.0 * (state.T.T @ N + N @ state.T + np.swapaxes(S_e, 0, 1))
+    S += [one.work for one in terms]
+    K = -state.K @ (0.5 * (S + np.swapaxes(S, 1, 2))) @ state.K
+    return Changes(0.5 * (K + np.swapaxes(K, 1, 2)), W, Q)
 
 
 Solver = PrismaticSolver | Equations
-
-
-class Recovered:
-    """Where strains and stresses of a result are recovered.
-
-    Parameters
-    ----------
-    strain : `unit_strains` at the points of the space, (c, q, 6, 6)
-    """
-
-    def __init__(self, space: SectionSpace, lay: Layup, strain: Array, state: Central) -> None:
-        self.space, self.lay, self.strain = space, lay, strain
-        self.at: Operators = space
-        if isinstance(state.at, TwistedStrains):
-            self.at = TwistedStrains(space, state.at.k)
-        self.to_plies = np.swapaxes(bond(lay.A_BM), -1, -2)
-        self.real = space.weights.ravel() > 0.0  # not those that fill up cells with fewer points
 
 
 def derivatives(
@@ -205,7 +182,7 @@ def derivatives(
 ) -> dict[str, dict[str, Array]]:
     """Derivatives of the datasets of a section file by parameters that do not move its mesh.
 
-    By name of the parameter and path.
+    By name of the parameter and path, without those that are zero.
 
     Parameters
     ----------
@@ -223,81 +200,93 @@ def derivatives(
     else:
         assert factorised is not None
         solver = PrismaticSolver(result, state, factorised)
-    at, by_parameter = Recovered(space, lay, strain, state), dict[str, dict[str, Array]]()
-    for first in range(0, len(asked), AT_ONCE):
-        some = [_Moved(state, rate) for rate in asked[first : first + AT_ONCE]]
-        terms = [one.terms for one in some if one.terms is not None]
-        changes = iter(changed(state, solver, terms) if terms else ())
-        for one in some:
-            change = None if one.terms is None else next(changes)
-            by_parameter[one.rate.parameter.name] = one.values(change, at, shown=shown)
-    return by_parameter
+    recovered = Recovered(space, lay, strain, state)
+    by_parameter = {one.parameter.name: _of_plies(state, one, shown=shown) for one in asked}
+    moving = [one for one in asked if len(one.cells)]
+    for first in range(0, len(moving), AT_ONCE):
+        some = moving[first : first + AT_ONCE]
+        terms = [stiffness_terms(state, one.cells, one.stiffness()) for one in some]
+        changes = changed(state, solver, terms)
+        strains = recovered.rates(some, changes)
+        warping = _warping(state, flat(changes.W)) if shown else None
+        for i, (one, K) in enumerate(zip(some, changes.K, strict=True)):
+            values = by_parameter[one.parameter.name]
+            values |= {"K": K, "recovery/strain_M": strains[i]}
+            values["shear_centre"] = _by_step(shear_centre, state.K, K)
+            values["tension_centre"] = _by_step(tension_centre, state.K, K)
+            if one.angle.any():
+                values["recovery/A_BM"] = recovered.axes(one)
+            if warping is not None:
+                values["warping"] = warping[6 * i : 6 * i + 6]
+    return {
+        name: {path: rate for path, rate in values.items() if rate.any()}
+        for name, values in by_parameter.items()
+    }
 
 
-class _Moved:
-    """A section whose parameter has an imaginary part."""
+class Recovered:
+    """Where strains and stresses of a result are recovered.
 
-    def __init__(self, state: Central, rate: Rates) -> None:
-        self.state, self.rate = state, rate
-        self.terms: Terms | None = None
-        if len(rate.cells):
-            self.terms = stiffness_terms(state, rate.cells, rate.stiffness().imag / TINY)
+    Parameters
+    ----------
+    strain : `unit_strains` at the points of the space, (c, q, 6, 6)
+    """
 
-    def values(self, change: Change | None, at: Recovered, *, shown: bool) -> dict[str, Array]:
-        """Derivatives by path, without those that are zero."""
-        state, rate, values_by_path = self.state, self.rate, {}
-        if change is not None:
-            values_by_path = {"K": change.K}
-            for name, centre in (
-                ("shear_centre", shear_centre),
-                ("tension_centre", tension_centre),
-            ):
-                values_by_path[name] = _by_step(centre, state.K, change.K)
-            values_by_path |= self._recovery(at, change)
-            if shown:
-                values_by_path["warping"] = self._warping(change.W)
-        if rate.density.any():
-            density = rate.lay.density + 1j * TINY * rate.density[rate.lay.ply]
-            if isinstance(state.at, TwistedStrains):
-                density = density * state.at.g
-            M = mass_matrix(state.space, density)
-            values_by_path["M"] = M.imag / TINY
-            values_by_path["mass_centre"] = _by_step(mass_centre, M.real, values_by_path["M"])
-        if shown and rate.angle.any():
-            cells, axes = rate.cells, rate.axes()
-            middle, fibre = middles(state.space)[cells], np.zeros((state.space.n_cell, 3))
-            fibre[cells] = axes[np.arange(len(cells)), middle % axes.shape[1], :, 0].imag / TINY
-            values_by_path["mesh/fibre"] = fibre
-        values_by_path["plies/C_M"] = rate.C_M
-        values_by_path["plies/angle_deg"] = np.degrees(rate.angle)
-        return {path: values for path, values in values_by_path.items() if values.any()}
+    def __init__(self, space: SectionSpace, lay: Layup, strain: Array, state: Central) -> None:
+        self.lay, self.to_plies = lay, np.swapaxes(lay.T, -1, -2)
+        self.at: Operators = space
+        if isinstance(state.at, TwistedStrains):
+            self.at = TwistedStrains(space, state.at.k)
+        self.strain_M = self.to_plies @ strain
+        self.real = space.weights > 0.0  # not those that fill up cells with fewer points
 
-    def _warping(self, W: Array) -> Array:
-        """Rate of the warping without rigid motion, at the nodes of the file."""
-        space = self.state.space
-        if isinstance(self.state.at, TwistedStrains):
-            Z = motions_of_beam(space)
-            load = space.load(space.at_points(Z))
-            W = W - Z @ np.linalg.solve(Z.T @ load, load.T @ W)
-        return nodal_displacements(space, W)
+    def rates(self, asked: Sequence[Rates], changes: Changes) -> list[Array]:
+        """Rates of the strains of the points in ply axes, (n, 6, 6) by each parameter."""
+        at, found = self.at, []
+        strain = at.strain_in_section(flat(changes.W)) + at.strain_along_beam(flat(changes.Q))
+        strain = (self.to_plies @ strain)[self.real].reshape(-1, 6, len(asked), 6)
+        for i, one in enumerate(asked):
+            rate = np.ascontiguousarray(strain[:, :, i])
+            turning = one.angle[self.lay.ply[self.real]]
+            there = np.flatnonzero(turning)
+            before = self.strain_M[self.real][there]
+            rate[there] += turning[there, None, None] * (TURNING.T @ before)
+            found.append(rate)
+        return found
 
-    def _recovery(self, at: Recovered, change: Change) -> dict[str, Array]:
-        """Rates of strains of the points in ply axes, and of these axes."""
-        rate, real, values = replace(self.rate, lay=at.lay), at.real, {}
-        strain = at.at.strain_in_section(change.W) + at.at.strain_along_beam(change.Q)
-        strain_M = at.to_plies @ strain
-        if rate.angle.any():
-            cells, axes = rate.cells, rate.axes()
-            A_BM = np.zeros((*at.space.weights.shape, 3, 3))
-            A_BM[cells] = axes.imag / TINY
-            values["recovery/A_BM"] = A_BM.reshape(-1, 3, 3)[real]
-            turning = np.swapaxes(bond(axes).imag, -1, -2) / TINY
-            strain_M[cells] += turning @ at.strain[cells]
-        values["recovery/strain_M"] = strain_M.reshape(-1, 6, 6)[real]
-        return values
+    def axes(self, asked: Rates) -> Array:
+        """Rate of the axes of the plies at the points, (n, 3, 3)."""
+        turning = asked.angle[self.lay.ply][..., None, None]
+        return np.asarray((turning * (self.lay.A_BM @ TURN))[self.real])
+
+
+def _of_plies(state: Central, rate: Rates, *, shown: bool) -> dict[str, Array]:
+    """Rates that follow from those of the plies without a solution."""
+    lay, of_plies = rate.lay, {"plies/C_M": rate.C_M, "plies/angle_deg": np.degrees(rate.angle)}
+    if rate.density.any():
+        g = state.at.g if isinstance(state.at, TwistedStrains) else 1.0
+        M, change = (
+            mass_matrix(state.space, density * g)
+            for density in (lay.density, rate.density[lay.ply])
+        )
+        of_plies |= {"M": change, "mass_centre": _by_step(mass_centre, M, change)}
+    if shown and rate.angle.any():
+        every, middle = np.arange(state.space.n_cell), middles(state.space)
+        axes = lay.A_BM[every, middle % lay.A_BM.shape[1]]
+        of_plies["mesh/fibre"] = rate.angle[lay.ply[every, middle]][:, None] * axes[:, :, 1]
+    return of_plies
+
+
+def _warping(state: Central, W: Array) -> Array:
+    """Rates of the warping without rigid motion, at the nodes of the file, (m, n, 3)."""
+    space = state.space
+    if isinstance(state.at, TwistedStrains):
+        load = space.load(space.at_points(state.Z))
+        W = W - state.Z @ np.linalg.solve(state.Z.T @ load, load.T @ W)
+    return nodal_displacements(space, W)
 
 
 def _by_step(function: Callable[[Array], Array], x: Array, rate: Array) -> Array:
     """Rate of a function of an array."""
-    size = TINY / (np.abs(rate).max() or 1.0)
+    size = 1e-30 / (np.abs(rate).max() or 1.0)
     return np.asarray(function(x + 1j * size * rate).imag) / size

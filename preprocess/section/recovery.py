@@ -18,7 +18,6 @@ import numpy as np
 from scipy.linalg import LinAlgError, solve_continuous_are
 
 from ...solver.math.arrays import Array
-from ...solver.package.common.materials import bond
 from ...solver.package.common.recovery_schema import SectionRecovery
 from ...solver.package.section.section_schema import SectionMeshData
 from .helical import CentralSolutions, TwistedStrains
@@ -82,7 +81,7 @@ def section_recovery(
     c, q = space.weights.shape
     A_BM = np.broadcast_to(lay.A_BM, (c, q, 3, 3))
     # work is the same in both axes: stress_B = T stress_M, so strain_M = T' strain_B
-    strain_M = np.swapaxes(bond(lay.A_BM), -1, -2) @ strain_B
+    strain_M = np.swapaxes(lay.T, -1, -2) @ strain_B
     real = space.weights.ravel() > 0.0  # not those that fill up cells with fewer points
     return SectionRecovery(
         points=space.points.reshape(-1, 2)[real],

@@ -17,12 +17,12 @@ from numpy.typing import NDArray
 from ...solver.math.arrays import Array, IntArray
 from ...solver.package.common.dataset import all_values
 from ...solver.package.common.design import PLACES, differenced
-from ...solver.package.common.materials import elastic_from_dict, rotated
+from ...solver.package.common.materials import bond, elastic_from_dict
 from ...solver.package.section.section_schema import SectionFile
 from ...solver.package.specification import DesignTarget
 from ..parameters import Key, Parameter, read_parameters
 from .section_specification import SectionError
-from .space.layers import ALL, Layup, ply_axes
+from .space.layers import ALL, Layup
 from .space.section_cells import CellMesh, refined
 from .space.section_mesh import SectionMesh, section_mesh
 
@@ -42,7 +42,8 @@ STEP = 5e-4  # of the values, for difference quotients of fourth order
 # first for which the mesh has the same cells.
 OF_NODES = (20.0, 4.0, 1.0, 0.1)
 MORPHED = 4.0  # times this step for analyses of a mesh that is moved along these velocities
-TINY = 1e-30  # imaginary step
+TURN = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]])  # rate of axes by an angle
+TURNING = 0.5 * (bond(np.eye(3) + TURN) - bond(np.eye(3) - TURN))  # of `bond` of these axes
 SMOOTH = 1e-2  # relative difference of two quotients, of first order, from nodes that jump
 
 
@@ -88,29 +89,15 @@ class Rates:
         changing = (self.angle != 0.0) | np.any(self.C_M != 0.0, axis=(1, 2))
         return np.flatnonzero(np.any(changing[self.lay.ply], axis=1))
 
-    def axes(self) -> Array:
-        """A_BM + i h dA_BM in `cells`."""
-        lay, cells = self.lay, self.cells
-        some = np.s_[:, :1] if lay.uniform else np.s_[:, :]
-        angle = np.radians([p.angle_deg for p in lay.plies]) + 1j * TINY * self.angle
-        return ply_axes(angle[lay.ply[cells][some]], lay.y2[cells][some])
-
     def stiffness(self) -> Array:
-        """C + i h dC at the points of `cells`, section axes, (s, 1 or q, 6, 6) [Pa]."""
-        axes = self.axes()
-        ply = self.lay.ply[self.cells][:, : axes.shape[1]]
-        return rotated((self.lay.stiffness_M + 1j * TINY * self.C_M)[ply], axes)
+        """Rate of C at the points of `cells`, section axes, (s, 1 or q, 6, 6) [Pa]."""
+        turned = TURNING @ self.lay.stiffness_M
+        turned = self.angle[:, None, None] * (turned + np.swapaxes(turned, 1, 2))
+        return self.lay.in_section(self.C_M + turned, self.cells)
 
 
 def rates(parameter: Parameter, lay: Layup) -> Rates:
     """Derivatives of the lay-up of a section by a parameter that does not move the mesh."""
-
-    def angles(t: float) -> Array:
-        regions, rows = parameter.moved(t)["regions"], []
-        for ply in lay.plies:
-            region = regions.get(ply.region) or regions[ALL]
-            rows.append(np.radians(region["plies"][ply.index].get("angle_deg", 0.0)))
-        return np.array(rows)
 
     def materials(t: float) -> Array:
         spec = parameter.moved(t)["materials"]
@@ -121,7 +108,12 @@ def rates(parameter: Parameter, lay: Layup) -> Rates:
         rows = {name: [own.rho, *own.stiffness_M.ravel()] for name, own in known.items()}
         return np.array([rows[ply.material] for ply in lay.plies])
 
-    angle, constants = parameter.quotient(angles), np.zeros((len(lay.plies), 37))
+    angle, regions = np.zeros(len(lay.plies)), parameter.spec["regions"]
+    for row, ply in enumerate(lay.plies):
+        name = ply.region if ply.region in regions else ALL
+        key = ("regions", name, "plies", ply.index, "angle_deg")
+        angle[row] = np.radians(sum(t.factor for t in parameter.targets if t.keys == key))
+    constants = np.zeros((len(lay.plies), 37))
     if any(t.keys[0] == "materials" for t in parameter.targets):
         constants = parameter.quotient(materials)
     C_M = constants[:, 1:].reshape(-1, 6, 6)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ....solver.errors import coded, did_you_mean, few
 from ....solver.math.arrays import Array
-from ....solver.package.common.materials import Anisotropic, Orthotropic, elastic_from_dict, rotated
+from ....solver.package.common.materials import Anisotropic, Orthotropic, bond, elastic_from_dict
 from ....solver.package.common.recovery_schema import Ply
 from ..section_specification import OF_MESH, SectionError
 from .section_mesh import SectionMesh
@@ -85,9 +85,18 @@ class Layup:
 
     @cached_property
     def A_BM(self) -> Array:
-        """Ply axes in section axes, (c, 1, 3, 3) or (c, q, 3, 3): v_B = A_BM v_M."""
+        """Ply axes in section axes, (c, 1, 3, 3) or (c, q, 3, 3): v_B = A_BM v_M.
+
+        Angles of plies turn from x1 towards y2.
+        """
         y2, ply = (self.y2[:, :1], self.ply[:, :1]) if self.uniform else (self.y2, self.ply)
-        return ply_axes(np.radians([p.angle_deg for p in self.plies])[ply], y2)
+        angle = np.radians([p.angle_deg for p in self.plies])[ply][..., None]
+        cos, sin = np.cos(angle), np.sin(angle)
+        A = np.zeros((*ply.shape, 3, 3))
+        A[..., 0, :1], A[..., 0, 1:2] = cos, -sin
+        A[..., 1:, 0], A[..., 1:, 1] = sin * y2, cos * y2
+        A[..., 1, 2], A[..., 2, 2] = -y2[..., 1], y2[..., 0]
+        return A
 
     def reversed_there(self) -> "Layup":
         """The plies with the other sense of the layer direction in the cells `reversing`."""
@@ -99,29 +108,26 @@ class Layup:
         """Stiffness of each ply in its own axes, (k, 6, 6) [Pa]."""
         return np.array([material.stiffness_M for material in self.materials])
 
+    @cached_property
+    def T(self) -> Array:
+        """Rotations of stresses, (c, 1 or q, 6, 6): stress_B = T stress_M."""
+        return bond(self.A_BM)
+
     @property
     def stiffness(self) -> Array:
         """Stiffness in section axes, (c, 1, 6, 6) or (c, q, 6, 6) [Pa]."""
-        ply = self.ply[:, :1] if self.uniform else self.ply
-        return rotated(self.stiffness_M[ply], self.A_BM)
+        return self.in_section(self.stiffness_M)
+
+    def in_section(self, of_plies: Array, cells: Any = slice(None)) -> Array:
+        """Stiffness in section axes of plies with others (k, 6, 6), at points of some cells."""
+        T = self.T[cells]
+        C = T @ of_plies[self.ply[cells][:, : T.shape[1]]] @ np.swapaxes(T, -1, -2)
+        return np.asarray(0.5 * (C + np.swapaxes(C, -1, -2)))
 
     @property
     def density(self) -> Array:
         """(c, q) [kg/m3]."""
         return np.array([material.rho for material in self.materials])[self.ply]
-
-
-def ply_axes(angle: Any, y2: Any) -> Array:
-    """Axes (..., 3, 3) of plies at an angle (...) [rad] from x1 towards the directions y2 (..., 2).
-
-    Also of complex numbers, whose imaginary parts are derivatives.
-    """
-    cos, sin = np.cos(angle)[..., None], np.sin(angle)[..., None]
-    A = np.zeros((*angle.shape, 3, 3), dtype=np.result_type(angle, y2))
-    A[..., 0, :1], A[..., 0, 1:2] = cos, -sin
-    A[..., 1:, 0], A[..., 1:, 1] = sin * y2, cos * y2
-    A[..., 1, 2], A[..., 2, 2] = -y2[..., 1], y2[..., 0]
-    return A
 
 
 def layup(spec: Mapping[str, Any], mesh: SectionMesh, space: SectionSpace, where: str) -> Layup:
