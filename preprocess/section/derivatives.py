@@ -7,9 +7,9 @@ satisfy
 
     load_in_section(s) - P T = 0,   Z' P = 1,   P = load_along_beam(s),
 
-and S = K^-1 is the work of s and e. These equations are linear in C: `stiffness_terms` evaluates
-them with the rate of C. What remains is one more solution, by the factors of the analysis, with
-what the rates leave in the equations as loads.
+and S = K^-1 is the work of s and e. These equations are linear in C: `changed` evaluates them with
+the rate of C. What remains is one more solution, by the factors of the analysis, with what the
+rates leave in the equations as loads.
 """
 
 from collections.abc import Callable, Sequence
@@ -28,6 +28,7 @@ from .warping import WarpingSolver, motions_of_beam
 
 Operators = SectionSpace | TwistedStrains
 AT_ONCE = 16  # parameters whose equations are solved together
+ENOUGH = 1e-10  # error of the solution of a twisted or curved beam, relative
 FAINT = 1e-6  # of the loads of the solutions: loads below it may do relative work on rigid motions
 
 
@@ -72,24 +73,6 @@ def central(result: Result, C: Array) -> Central:
     return Central(at, C, T, Z, W, S_e, result.K, strain, P, size)
 
 
-@dataclass(frozen=True)
-class Terms:
-    """What stresses leave in the equations of `central`, and their work on the strains."""
-
-    load: Array  # (n_dof, 6)
-    resultants: Array  # (6, 6)
-    work: Array  # (6, 6)
-
-
-def stiffness_terms(state: Central, cells: IntArray, dC: Array) -> Terms:
-    """Rates of the terms by the rate dC (s, 1 or q, 6, 6) of the stiffness of some own cells."""
-    at, strain = state.at.of_some(cells), state.strain[cells]
-    stress = dC @ strain
-    P = at.load_along_beam(stress)
-    load = at.load_in_section(stress) - P @ state.T
-    return Terms(load, state.Z.T @ P, at.work(stress, strain))
-
-
 class PrismaticSolver:
     """Solves the equations of `central` of a prismatic beam by the factor of its warping.
 
@@ -101,7 +84,7 @@ class PrismaticSolver:
         self._state, self._solver, self._space = state, factorised, result.space
         self._A, self._V0 = result.A, result.V0
 
-    def solve(self, load: Array, resultants: Array) -> tuple[Array, Array]:
+    def solve(self, load: Array, resultants: Array, _: float) -> tuple[Array, Array]:
         """W (n_dof, p, 6) and S_e (6, p, 6) with these terms, of the same shapes."""
         state, space = self._state, self._space
         W, S_e = np.zeros(load.shape), np.zeros(resultants.shape)
@@ -154,17 +137,25 @@ class Changes:
     Q: Array  # (n_dof, p, 6)
 
 
-def changed(state: Central, solver: "Solver", terms: Sequence[Terms]) -> Changes:
-    """Return what rates of the terms bring about, for each of them."""
-    load = -np.stack([one.load for one in terms], axis=1)
-    W, S_e = solver.solve(load, -np.stack([one.resultants for one in terms], axis=1))
-    Q = W @ state.T + (state.Z @ flat(S_e)).reshape(W.shape)
+def changed(
+    state: Central, solver: "Solver", of_stiffness: Sequence[tuple[IntArray, Array]]
+) -> Changes:
+    """Return what rates of the stiffness bring about, of cells and at their points, each alone."""
+    at, T, K, shape = state.at, state.T, state.K, (len(state.Z), len(of_stiffness), 6)
+    stress = np.zeros((*state.strain.shape[:3], *shape[1:]))
+    for i, (cells, rate) in enumerate(of_stiffness):
+        stress[cells, :, :, i] = rate @ state.strain[cells]
+    stress = stress.reshape(*state.strain.shape[:3], -1)
+    P = at.load_along_beam(stress).reshape(shape)
+    load = at.load_in_section(stress).reshape(shape) - P @ T
+    W, S_e = solver.solve(-load, -(state.Z.T @ flat(P)).reshape(6, *shape[1:]), ENOUGH)
+    Q = W @ T + (state.Z @ flat(S_e)).reshape(shape)
     # the stresses are in equilibrium: their work on new strains is that of P
     N = np.swapaxes((state.P.T @ flat(W)).reshape(S_e.shape), 0, 1)
-    S = 2.0 * (state.T.T @ N + N @ state.T + np.swapaxes(S_e, 0, 1))
-    S += [one.work for one in terms]
-    K = -state.K @ (0.5 * (S + np.swapaxes(S, 1, 2))) @ state.K
-    return Changes(0.5 * (K + np.swapaxes(K, 1, 2)), W, Q)
+    S = at.work(stress, state.strain).reshape(-1, 6, 6)
+    S = S + 2.0 * (T.T @ N + N @ T + np.swapaxes(S_e, 0, 1))
+    dK = -K @ (0.5 * (S + np.swapaxes(S, 1, 2))) @ K
+    return Changes(0.5 * (dK + np.swapaxes(dK, 1, 2)), W, Q)
 
 
 Solver = PrismaticSolver | Equations
@@ -201,21 +192,19 @@ def derivatives(
         assert factorised is not None
         solver = PrismaticSolver(result, state, factorised)
     recovered = Recovered(space, lay, strain, state)
-    by_parameter = {one.parameter.name: _of_plies(state, one, shown=shown) for one in asked}
+    middle = middles(state.space) if shown else None
+    by_parameter = {one.parameter.name: _of_plies(state, one, middle) for one in asked}
     moving = [one for one in asked if len(one.cells)]
     for first in range(0, len(moving), AT_ONCE):
         some = moving[first : first + AT_ONCE]
-        terms = [stiffness_terms(state, one.cells, one.stiffness()) for one in some]
-        changes = changed(state, solver, terms)
-        strains = recovered.rates(some, changes)
+        changes = changed(state, solver, [(one.cells, one.stiffness()) for one in some])
+        recovered_rates = recovered.rates(some, changes)
         warping = _warping(state, flat(changes.W)) if shown else None
         for i, (one, K) in enumerate(zip(some, changes.K, strict=True)):
             values = by_parameter[one.parameter.name]
-            values |= {"K": K, "recovery/strain_M": strains[i]}
+            values |= {"K": K, **recovered_rates[i]}
             values["shear_centre"] = _by_step(shear_centre, state.K, K)
             values["tension_centre"] = _by_step(tension_centre, state.K, K)
-            if one.angle.any():
-                values["recovery/A_BM"] = recovered.axes(one)
             if warping is not None:
                 values["warping"] = warping[6 * i : 6 * i + 6]
     return {
@@ -233,35 +222,34 @@ class Recovered:
     """
 
     def __init__(self, space: SectionSpace, lay: Layup, strain: Array, state: Central) -> None:
-        self.lay, self.to_plies = lay, np.swapaxes(lay.T, -1, -2)
+        # not the points that fill up cells with fewer ones
+        self.real, self.ply = np.flatnonzero(space.weights), lay.ply[space.weights > 0.0]
+        self.to_plies = np.swapaxes(lay.T, -1, -2)
         self.at: Operators = space
         if isinstance(state.at, TwistedStrains):
             self.at = TwistedStrains(space, state.at.k)
-        self.strain_M = self.to_plies @ strain
-        self.real = space.weights > 0.0  # not those that fill up cells with fewer points
+        strain_M = (self.to_plies @ strain).reshape(-1, 6, 6)
+        self.turning_strain = TURNING.T @ strain_M[self.real]
+        turning = np.broadcast_to(lay.A_BM @ TURN, (*lay.ply.shape, 3, 3))
+        self.turning_axes = turning.reshape(-1, 3, 3)[self.real]
 
-    def rates(self, asked: Sequence[Rates], changes: Changes) -> list[Array]:
-        """Rates of the strains of the points in ply axes, (n, 6, 6) by each parameter."""
+    def rates(self, asked: Sequence[Rates], changes: Changes) -> list[dict[str, Array]]:
+        """Rates of the strains of the points in ply axes and of these axes, by each parameter."""
         at, found = self.at, []
         strain = at.strain_in_section(flat(changes.W)) + at.strain_along_beam(flat(changes.Q))
-        strain = (self.to_plies @ strain)[self.real].reshape(-1, 6, len(asked), 6)
+        strain_M = (self.to_plies @ strain).reshape(-1, 6, len(asked), 6)
         for i, one in enumerate(asked):
-            rate = np.ascontiguousarray(strain[:, :, i])
-            turning = one.angle[self.lay.ply[self.real]]
-            there = np.flatnonzero(turning)
-            before = self.strain_M[self.real][there]
-            rate[there] += turning[there, None, None] * (TURNING.T @ before)
+            rate = {"recovery/strain_M": strain_M[self.real, :, i]}
+            if one.angle.any():
+                angle = one.angle[self.ply][:, None, None]
+                rate["recovery/strain_M"] += angle * self.turning_strain
+                rate["recovery/A_BM"] = angle * self.turning_axes
             found.append(rate)
         return found
 
-    def axes(self, asked: Rates) -> Array:
-        """Rate of the axes of the plies at the points, (n, 3, 3)."""
-        turning = asked.angle[self.lay.ply][..., None, None]
-        return np.asarray((turning * (self.lay.A_BM @ TURN))[self.real])
 
-
-def _of_plies(state: Central, rate: Rates, *, shown: bool) -> dict[str, Array]:
-    """Rates that follow from those of the plies without a solution."""
+def _of_plies(state: Central, rate: Rates, middle: IntArray | None) -> dict[str, Array]:
+    """Rates that follow from those of the plies; fibres at the `middles`, for a file with them."""
     lay, of_plies = rate.lay, {"plies/C_M": rate.C_M, "plies/angle_deg": np.degrees(rate.angle)}
     if rate.density.any():
         g = state.at.g if isinstance(state.at, TwistedStrains) else 1.0
@@ -270,8 +258,8 @@ def _of_plies(state: Central, rate: Rates, *, shown: bool) -> dict[str, Array]:
             for density in (lay.density, rate.density[lay.ply])
         )
         of_plies |= {"M": change, "mass_centre": _by_step(mass_centre, M, change)}
-    if shown and rate.angle.any():
-        every, middle = np.arange(state.space.n_cell), middles(state.space)
+    if middle is not None and rate.angle.any():
+        every = np.arange(len(middle))
         axes = lay.A_BM[every, middle % lay.A_BM.shape[1]]
         of_plies["mesh/fibre"] = rate.angle[lay.ply[every, middle]][:, None] * axes[:, :, 1]
     return of_plies

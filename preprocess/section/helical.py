@@ -4,7 +4,6 @@ Of a displacement w of the section and a beam strain e they are G_k w + G_l (w' 
 space/strains.py. DOLFINx evaluates G_k at the points, as the 6x9 matrix S of (w, w,2, w,3).
 """
 
-import copy
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, partial
@@ -15,7 +14,7 @@ import scipy.sparse as sp
 from scipy.linalg import null_space
 from ufl import SpatialCoordinate
 
-from ...solver.math.arrays import REGULAR, Array, IntArray, is_positive_definite
+from ...solver.math.arrays import REGULAR, Array, is_positive_definite
 from ...solver.math.rotations import skew
 from .. import fenicsx
 from .section_specification import IllConditioned, SectionError
@@ -52,7 +51,6 @@ class TwistedStrains:
         """G_k w from the values and slopes of w at the points, (c, q, 6, 9)."""
         out = np.zeros((*self.g.shape, 6, 9))
         own = self.space.own
-        assert isinstance(own, slice)
         for part, (reference, _) in self.space.rules:
             mine = np.flatnonzero(within(part.rows, own))
             if len(mine):
@@ -64,12 +62,6 @@ class TwistedStrains:
     def Z(self) -> Array:
         """Rigid motions (n_dof, 6) whose change along the beam is a unit beam strain."""
         return motions_of_beam(self.space)
-
-    def of_some(self, cells: IntArray) -> "TwistedStrains":
-        """The operators of the points of some cells only."""
-        other = copy.copy(self)
-        other.space, other.g, other.S = self.space.of_some(cells), self.g[cells], self.S[cells]
-        return other
 
     def strain_in_section(self, W: Array) -> Array:
         """G_k W at the points, (c, q, 6, m), for displacement columns W (n_dof, m)."""
@@ -232,20 +224,20 @@ class Waves:
     def solve(self, load: Array, resultants: Array) -> Residual:
         """Warping and beam strains, of the shapes of loads and resultants."""
         loads, forces = load @ self._basis, resultants @ self._basis
-        W_0, S_0 = self._simple.solve(loads[..., :2].real, forces[..., :2].real)
-        W_1 = self._back(flat(loads[..., 2:4]))
-        S_1 = np.linalg.solve(self._schur, flat(forces[..., 2:4]) - self._B.conj().T @ W_1)
-        W_1 = (W_1 - self._V @ S_1).reshape(W_0.shape)
-        S_1 = S_1.reshape(S_0.shape)
-        W = np.concatenate([W_0, W_1, W_1.conj()], axis=-1) @ self._inverse
-        S_e = np.concatenate([S_0, S_1, S_1.conj()], axis=-1) @ self._inverse
-        return W.real, S_e.real
+        W_0, S_0 = self._simple.solve(loads[..., :2], forces[..., :2])
+        W_1 = self._back(flat(loads[..., 2:4] + 1j * loads[..., 4:]))
+        right = flat(forces[..., 2:4] + 1j * forces[..., 4:]) - self._B.conj().T @ W_1
+        S_1 = np.linalg.solve(self._schur, right)
+        W_1, S_1 = (W_1 - self._V @ S_1).reshape(W_0.shape), S_1.reshape(S_0.shape)
+        W = np.concatenate([W_0, W_1.real, W_1.imag], axis=-1) @ self._inverse
+        return W, np.concatenate([S_0, S_1.real, S_1.imag], axis=-1) @ self._inverse
 
 
 def _eigenvectors(T: Array, kappa: float) -> tuple[Array, Array]:
-    """Vectors of the eigenvalues 0, i kappa and -i kappa of the semisimple part of T, two each.
+    """Vectors of the eigenvalues 0 and i kappa of the semisimple part of T, two each.
 
-    (6, 6) as columns, and their inverse. T is scaled, because its rows have different units.
+    (6, 6): those of 0, real and imaginary parts of the others as columns, and their inverse. T is
+    scaled, because its rows have different units.
     """
     unit = np.array([1.0] * 3 + [1.0 / kappa] * 3)
     scaled = T * unit[None, :] / unit[:, None] / kappa  # eigenvalues 0, i, -i
@@ -258,12 +250,12 @@ def _eigenvectors(T: Array, kappa: float) -> tuple[Array, Array]:
     semisimple = part @ (3.0 * np.eye(4) + part @ part) / 2.0
     values, vectors = np.linalg.eig(semisimple)
     waves = others @ vectors[:, values.imag > 0.0]
-    basis = unit[:, None] * np.concatenate([at_zero, waves, waves.conj()], axis=1)
+    basis = unit[:, None] * np.concatenate([at_zero, waves.real, waves.imag], axis=1)
     return basis, np.linalg.inv(basis)
 
 
 SLIGHT = 1e-12  # |k| h below which the digits of waves are lost
-ENOUGH, ROUNDS = 1e-13, 12  # last correction of a solution, relative; corrections
+ENOUGH, ROUNDS = 1e-13, 12  # what is left of a solution to correct, relative; corrections
 NILPOTENT = 3  # corrections until the nilpotent part of T, whose square is 0, is gone
 ROUGH = 1e-7  # last correction beyond which they have not converged; K is wrong by its square
 
@@ -343,6 +335,7 @@ class Equations:
         self._kept = strains.space.pattern.without(pinned_dofs(strains.space, six=True))
         self._simple = AlongAxis(strains, C, self._kept, largest_growth)
         self.growth = self._simple.growth
+        self._shrinks = np.inf  # ratio of corrections for rounding alone, as far as it is known
 
     @cached_property
     def _solver(self) -> "AlongAxis | Waves":
@@ -353,29 +346,33 @@ class Equations:
             return self._simple
         return Waves(strains, self.C, self._kept, self.T, self._simple)
 
-    def solve(self, load: Array, resultants: Array) -> Residual:
+    def solve(self, load: Array, resultants: Array, enough: float = ENOUGH) -> Residual:
         """Warping and beam strains, of the shapes of loads (n_dof, ..., 6) and resultants.
 
-        Each correction is that of the residual; the first ones need not become smaller. Raises
-        SectionError if they do not converge.
+        Each correction is that of the residual; the first ones need not become smaller. The last
+        one leaves less than `enough`, relative. Raises SectionError if they do not converge.
         """
         W, S_e = np.zeros_like(load), np.zeros_like(resultants)
-        left, last, size = (load, resultants), np.inf, 0.0
+        left, last, rest, size = (load, resultants), np.inf, np.inf, 0.0
         for done in range(ROUNDS):
             dW, dS = self._solver.solve(*left)
             now = self._simple.size(dW, dS)
             if done >= NILPOTENT and not now < 0.5 * last:
                 break
-            W, S_e, last = W + dW, S_e + dS, now
+            W, S_e = W + dW, S_e + dS
             size = self._simple.size(W, S_e)
-            if now <= ENOUGH * size:
+            nilpotent = done + 1 < NILPOTENT  # what this one corrects; later ones, only rounding
+            if not nilpotent:
+                self._shrinks = min(self._shrinks, max(now / last, now / size))
+            last, rest = now, min(now, self._shrinks * (size if nilpotent else now))
+            if done and rest <= enough * size:
                 break
             product = self.product(W, S_e)
             left = load - product[0], resultants - product[1]
-        if last > ROUGH * size:
+        if rest > ROUGH * size:
             raise SectionError(
                 f"initial_curvature: the iteration for the warping does not converge (last "
-                f"correction {last / size:.1e}): the product of curvature and size of the section "
+                f"correction {rest / size:.1e}): the product of curvature and size of the section "
                 "is too large, or cells of a very thin wall are much narrower than others"
             )
         return W, S_e

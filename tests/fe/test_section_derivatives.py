@@ -10,7 +10,6 @@ from plymotion.preprocess.section.derivatives import (
     PrismaticSolver,
     central,
     changed,
-    stiffness_terms,
 )
 from plymotion.preprocess.section.section_analysis import analyse
 from plymotion.preprocess.section.section_parameters import STEP, parameters
@@ -312,8 +311,8 @@ def test_stiffness_is_homogeneous() -> None:
     factorised = problem.factorised(result, lay.stiffness)
     assert factorised is not None
     state = central(result, lay.stiffness)
-    terms = stiffness_terms(state, np.arange(problem.space.n_cell), lay.stiffness)
-    (K,) = changed(state, PrismaticSolver(result, state, factorised), [terms]).K
+    rates = [(np.arange(problem.space.n_cell), lay.stiffness)]
+    (K,) = changed(state, PrismaticSolver(result, state, factorised), rates).K
     assert scaled(K - result.K, result.K).max() < 1e-10
 
 

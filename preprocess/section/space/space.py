@@ -55,7 +55,7 @@ class SectionSpace:
         team: fenicsx.Team = fenicsx.ALONE,
     ) -> None:
         self.mesh, self.team = mesh, team
-        self.own: slice | IntArray = team.share(mesh.n_cell)
+        self.own = team.share(mesh.n_cell)
         self._given, self.degree = degree, mesh.degree if degree is None else degree
         # curved cells need two degrees more than straight ones; with the functions of the nodes,
         # every cell has the usual rule of its kind: 3 x 3 points with middle nodes, 2 x 2 without
@@ -149,15 +149,6 @@ class SectionSpace:
         """The same functions and unknowns at the points of another rule."""
         other = SectionSpace(self.mesh, self._given, quadrature_degree, self.team)
         return other if self.over is None else other.expressed(self.over)
-
-    def of_some(self, cells: IntArray) -> "SectionSpace":
-        """The same unknowns with the points of some of the own cells only."""
-        other = self.copied()
-        other.own = np.arange(self.mesh.n_cell)[self.own][cells]
-        other.gradients = self.gradients[cells]
-        other.values = self.values if self.values.ndim == 2 else self.values[cells]
-        other._finish()
-        return other
 
     @property
     def n_cell(self) -> int:
