@@ -115,8 +115,8 @@ class SectionSpace:
         own = self.dofs[self.own]
         self.n_unknown = len(self.x2) if self.unknowns is None else self.unknowns.P.shape[1]
         # (n_unknown, c k): sums the contributions of the cells to each unknown
-        self._to_nodes = sp.csc_matrix(
-            (np.ones(own.size), own.ravel(), np.arange(own.size + 1)),
+        self._to_nodes = sp.csr_matrix(
+            (np.ones(own.size), (own.ravel(), np.arange(own.size))),
             shape=(self.n_unknown, own.size),
         )
 
