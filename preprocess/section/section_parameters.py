@@ -108,11 +108,14 @@ def rates(parameter: Parameter, lay: Layup) -> Rates:
         rows = {name: [own.rho, *own.stiffness_M.ravel()] for name, own in known.items()}
         return np.array([rows[ply.material] for ply in lay.plies])
 
-    angle, regions = np.zeros(len(lay.plies)), parameter.spec["regions"]
+    regions = parameter.spec["regions"]
+    angle = np.zeros(len(lay.plies))
     for row, ply in enumerate(lay.plies):
-        name = ply.region if ply.region in regions else ALL
-        key = ("regions", name, "plies", ply.index, "angle_deg")
-        angle[row] = np.radians(sum(t.factor for t in parameter.targets if t.keys == key))
+        region = ply.region if ply.region in regions else ALL
+        key = ("regions", region, "plies", ply.index, "angle_deg")
+        for target in parameter.targets:
+            if target.keys == key:
+                angle[row] += np.radians(target.factor)
     constants = np.zeros((len(lay.plies), 37))
     if any(t.keys[0] == "materials" for t in parameter.targets):
         constants = parameter.quotient(materials)
