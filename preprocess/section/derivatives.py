@@ -140,7 +140,14 @@ class Changes:
 def changed(
     state: Central, solver: "Solver", of_stiffness: Sequence[tuple[IntArray, Array]]
 ) -> Changes:
-    """Return what rates of the stiffness bring about, of cells and at their points, each alone."""
+    """Return what rates of the stiffness bring about, each alone.
+
+    Parameters
+    ----------
+    state : the central solutions
+    solver : of their equations
+    of_stiffness : cells and rates of C at their points (s, 1 or q, 6, 6) [Pa], by parameter
+    """
     at, T, K, shape = state.at, state.T, state.K, (len(state.Z), len(of_stiffness), 6)
     stress = np.zeros((*state.strain.shape[:3], *shape[1:]))
     for i, (cells, rate) in enumerate(of_stiffness):
