@@ -48,8 +48,12 @@ PROMOTED = 0.3
 NO_COST = 1e-9
 
 # Forward differences of the terms of a tangent: their error, and that of round-off, are near 1e-8
-# of the largest term. An end of a step this near a bend, in sizes of the mechanism, is at it.
+# of the largest term.
 STEP = 3e-8
+
+# Of this step: the least one, at a bend of a force. An end of a step this near a bend is at it.
+# Test: tests/verification/test_sensitivities.py::test_a_ball_dropped_on_a_hard_stop
+LEAST_STEP = 1e-2
 
 # Of dependent coordinates over independent ones, by inertia: others are independent sooner.
 MOST_GROWTH = 1e4

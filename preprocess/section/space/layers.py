@@ -119,7 +119,7 @@ class Layup:
         return self.in_section(self.stiffness_M)
 
     def in_section(self, of_plies: Array, cells: Any = slice(None)) -> Array:
-        """Stiffness in section axes, at points of some cells, of plies with `of_plies` (k, 6, 6)."""
+        """Stiffness in section axes at points of some cells, plies having `of_plies` (k, 6, 6)."""
         T = self.T[cells]
         C = T @ of_plies[self.ply[cells][:, : T.shape[1]]] @ np.swapaxes(T, -1, -2)
         return np.asarray(0.5 * (C + np.swapaxes(C, -1, -2)))

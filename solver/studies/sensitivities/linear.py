@@ -16,10 +16,10 @@ from ...dynamics.model.coordinates import displaced
 from ...dynamics.model.model import Model, modal_matrix
 from ...math.arrays import Array, IntArray
 from ...package.common.design import independent
-from ..tolerances import MOST_GROWTH, STEP
+from ..tolerances import LEAST_STEP, MOST_GROWTH, STEP
 
-# Differences on both sides of a number, and changes for which there is time. With stops `STEP` in
-# place of BOTH: a limit that moves by 1e-5 of itself is on the other side of stages near an impact.
+# Differences on both sides of a number, and changes for which there is time. `STEP` in place of
+# BOTH for numbers of stops: a limit that moves by 1e-5 is on the other side of stages near impacts.
 BOTH, FEW = 1e-5, 6
 SAME = 1e-9  # of the largest change of a model, below which there is none: differences of packages
 SLOW = 1e-6  # sizes of the mechanism per second, or rad/s: below, a state is at rest
@@ -62,13 +62,14 @@ class Linearisation:
         self._root = np.sqrt(model.inertia_scale)
 
     def __call__(
-        self, t: Array, y: Array, a: Array, multipliers: Array, *, last: bool
+        self, t: Array, y: Array, a: Array, multipliers: Array, away: Array | None, *, last: bool
     ) -> Linear | None:
         """Return the equations of the independent coordinates at k states; see `_over`.
 
         Parameters
         ----------
         a, multipliers : (k, n_vel), (k, n_c)
+        away : (k,) distance from bends of forces, in steps of differences; None without bends
         last : the partition is taken as it is
         """
         model, n, n_c, n_a = self.model, self.model.n_vel, self.model.n_constraint, self.model.n_aux
@@ -105,9 +106,14 @@ class Linearisation:
         directions[:, :d, :n] = directions[:, d : 2 * d, n : 2 * n] = G_t
         directions[:, :d, n : 2 * n] = V.transpose(0, 2, 1)
         directions[:, 2 * d :, 2 * n :] = np.eye(n_a)
-        along = along_directions(
-            model, t, y, a, multipliers, directions, self._steps(rates, directions)
-        )
+        steps, at = self._steps(rates, directions), (model, t, y, a, multipliers, directions)
+        if away is None:
+            along = along_directions(*at, steps)
+        else:
+            # Forward differences move the end of a contact by half a step. Most of the tangent
+            # within it cancels at its end.
+            steps *= np.clip(0.5 * away, LEAST_STEP, 1.0)[:, None]
+            along = 0.5 * (along_directions(*at, steps) + along_directions(*at, -steps))
         phi_t, phi_d_t = (each.transpose(0, 2, 1) for each in (phi, phi_d))
         partial -= phi_t @ along[:, f:d] + phi_d_t @ along[:, d + f : 2 * d]
         every = np.concatenate(
@@ -206,9 +212,10 @@ class Partials:
         self._shares = (shares / np.array([column.h for column in columns])).T
         for rates in changes:
             sizes = [np.abs(now[n]).max() / np.abs(rate).max() for n, rate in rates.items()]
-            share = BOTH if len(changes) <= FEW and not stops else STEP
+            limits = stops and not rates.keys().isdisjoint(model.quantities.programs._fields)
+            share = BOTH if len(changes) <= FEW and not limits else STEP
             step = share * float(min((s for s in sizes if s > 0.0), default=1.0 / share))
-            low = _moved(model, rates, -step) if len(changes) <= FEW else None
+            low = _moved(model, rates, -step) if stops or len(changes) <= FEW else None
             self._near.append((low, _moved(model, rates, step), step))
         self._stiffness = [(i, K) for i, K in enumerate(stiffness) if K.any()]
         self.changes = bool(self._near or self._stiffness)

@@ -31,7 +31,7 @@ from ...integrators.compiled.radau_stages import A_INVERSE, POWERS, A, C
 from ...integrators.generic.drive import Steps
 from ...math.arrays import Array, IntArray
 from ..linearisation.differences import units_of
-from ..tolerances import STEP
+from ..tolerances import LEAST_STEP, STEP
 from .linear import Column, Linear, Linearisation, Partials
 
 BATCH = 2_000_000  # numbers of the terms of one batch of steps
@@ -148,7 +148,8 @@ class Tangent:
                 batch = self._taken(steps, begin, end)
             nodes, weights = self._nodes(batch)
             at_nodes = (part[nodes] for part in (batch.at, batch.y, batch.a, batch.multipliers))
-            linear = self._linear(*at_nodes, last=end - begin <= 2)
+            away = self._away(batch.at[nodes], batch.y[nodes]) if self._bends else None
+            linear = self._linear(*at_nodes, away, last=end - begin <= 2)
             if linear is None:  # other independent coordinates sooner
                 middle = begin + (end - begin + 1) // 2
                 halves = (begin, middle), (middle, end)
@@ -191,6 +192,12 @@ class Tangent:
         ends = np.concatenate([begins, [1.0]])
         return Batch(steps.t[i] + ends * h, y, np.ascontiguousarray(a), multipliers, False)
 
+    def _away(self, t: Array, y: Array) -> Array:
+        """Return the distance of states from the nearest bend, in steps of differences (k,)."""
+        values = quantities(self.model, t, y)
+        gaps = [np.abs(values[:, 2 * number] - level) for number, level in self._bends]
+        return np.asarray(np.min(gaps, axis=0) / (STEP * self._size))
+
     def _normalise(self, y: Array) -> None:
         """Give the Euler parameters of states y (k, n) length one, in place."""
         for a in self.model.pos_start:
@@ -212,7 +219,7 @@ class Tangent:
         for number, level in self._bends:
             gap, h = values[:, 2 * number] - level, np.diff(steps.t)
             early = near / np.maximum(np.abs(values[1:, 2 * number + 1]) * h, 1e-300)
-            at_end = np.abs(gap) < STEP * self._size
+            at_end = np.abs(gap) < LEAST_STEP * STEP * self._size
             crossing = (gap[1:] * gap[:-1] < 0.0) & ~at_end[1:] & ~at_end[:-1]
             for i in np.flatnonzero(crossing | at_end[1:]).tolist():
                 x = np.array([1.0])
