@@ -62,7 +62,7 @@ class Linearisation:
         self._root = np.sqrt(model.inertia_scale)
 
     def __call__(
-        self, t: Array, y: Array, a: Array, multipliers: Array, away: Array | None, *, last: bool
+        self, t: Array, y: Array, a: Array, multipliers: Array, *, away: Array | None, last: bool
     ) -> Linear | None:
         """Return the equations of the independent coordinates at k states; see `_over`.
 

@@ -149,7 +149,7 @@ class Tangent:
             nodes, weights = self._nodes(batch)
             at_nodes = (part[nodes] for part in (batch.at, batch.y, batch.a, batch.multipliers))
             away = self._away(batch.at[nodes], batch.y[nodes]) if self._bends else None
-            linear = self._linear(*at_nodes, away, last=end - begin <= 2)
+            linear = self._linear(*at_nodes, away=away, last=end - begin <= 2)
             if linear is None:  # other independent coordinates sooner
                 middle = begin + (end - begin + 1) // 2
                 halves = (begin, middle), (middle, end)
