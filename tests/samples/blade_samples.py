@@ -90,7 +90,9 @@ def blade_table() -> dict[str, Any]:
 
 def write_blade(folder: Path, table: dict[str, Any] | None = None) -> Path:
     file = folder / "small.yaml"
-    file.write_text(yaml.safe_dump(table or blade_table()), encoding="utf-8")
+    # libyaml takes a tenth of the time of Python.
+    text = yaml.dump(table or blade_table(), Dumper=yaml.CSafeDumper)
+    file.write_text(text, encoding="utf-8")
     return file
 
 

