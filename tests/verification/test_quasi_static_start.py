@@ -150,12 +150,12 @@ def twisting_loop(folder, modes, drive, **solver):
     """Summary and signals of a four-bar of hinges whose members twist as they bend."""
     K, mass = coupled()
     package = reduced(CLAMPED, modes, K=K, mass=mass, length=0.5, elements=8).package
+    write_package(folder / "member.vtkhdf", package)
     x, y = 0.25, 0.5 * np.sin(np.pi / 3)
     text = HEAD + "gravity = [0.0, -9.81, 0.0]\n"
     for name, at, turn in (("crank", (0, 0), 60), ("coupler", (x, y), 0), ("rocker", (0.5, 0), 60)):
-        write_package(folder / f"{name}.vtkhdf", package)
         text += (
-            f'[bodies.{name}]\nkind = "package"\npackage = "{name}.vtkhdf"\n'
+            f'[bodies.{name}]\nkind = "package"\npackage = "member.vtkhdf"\n'
             f"position = [{at[0]}, {at[1]}, 0.0]\nrotation_deg = [0.0, 0.0, {turn}]\n"
         )
     text += "[ground.A]\nposition = [0.0, 0.0, 0.0]\n[ground.D]\nposition = [0.5, 0.0, 0.0]\n"
