@@ -36,20 +36,20 @@ else:
 SLOW = {
     "cases": """actuated_beam antenna_panel compiled controlled_arm default_settings design
         docs_followed double_pendulum double_pendulum_shell executors fidelity_command
-        fidelity_plan_in_python fidelity_sweep judgement_alarms long_output many_modes
-        missing_deformation report_page report_strength_page report_viewer run_command sweep
-        sweep_interrupted tutorials wind_turbine""",
-    "contract": "core_types packages_cli recipes section_cli shell_cli wheel",
-    "exchange": "ansys fmu_library modes_only",
+        fidelity_plan_in_python fidelity_sweep governor judgement judgement_alarms long_output
+        many_modes missing_deformation report_page report_strength_page report_viewer run_command
+        spinning_plate sweep sweep_interrupted tutorials wind_turbine""",
+    "contract": "core_types packages_cli ranks_cli recipes section_cli shell_cli wheel",
+    "exchange": "ansys fmu fmu3 fmu_library modes_only stepper",
     "hostile": """changed_inputs current_folder disk_full doubtful_packages edits_and_signals
         exchange_files faults generated_text killed_compilers make_commands make_recovers meshes
         replaced_files signals""",
-    "unit": """blade blade_files blade_spin blade_stopped case_command compiled_cache
-        compiled_leaves_numba_alone new_command preprocessor_task python_api report
+    "unit": """arena blade blade_files blade_spin blade_stopped case_command compiled_cache
+        compiled_leaves_numba_alone new_command preprocessor_task python_api python_examples report
         report_strength section_figures step_loop_contract""",
     "verification": """complex_steps constraints_redundant constraints_singular controllers crane
-        fidelity fidelity_indicators fidelity_omissions fidelity_refusals segments
-        shipped_body""",
+        cutoff fidelity fidelity_indicators fidelity_omissions fidelity_refusals fidelity_shell_mesh
+        modes_of_spinning_beams quasi_static_start segments shipped_body""",
 }
 
 
