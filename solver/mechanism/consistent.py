@@ -218,7 +218,7 @@ def _closed_by_least_squares(
 
 
 SPRUNG = 1e-5  # gap [rad, over the size] that tilted hinges leave, closed by deformation
-PREFERRED = 1e3  # of motion of frames over deformation, which counts as sqrt(J)
+PREFERRED = 3e4  # of motion of frames over deformation
 GIVEN = "Check lengths, ground points and initial positions of the bodies"
 DEFORMED = (
     "They close while the bodies are undeformed: give bodies that twist as they bend modes of "
@@ -333,14 +333,18 @@ def with_closed_joints(model: Model, y: Array, *, elastic: bool = False) -> Arra
 def _ease(model: Model, size: float, *, elastic: bool) -> Array:
     """Return how easily each coordinate changes to close joints, (n_vel,).
 
-    A motion by the size [m] of the mechanism counts as a turn by 1 rad.
+    A motion by the size [m] of the mechanism counts as a turn by 1 rad, and a deformation by its
+    strain energy: the easiest one by the size counts as such a motion as well.
     """
-    scale = sizes_of_motion(model, size) * (PREFERRED if elastic else 1.0)
+    scale, energy = sizes_of_motion(model, size), np.full(model.n_vel, np.nan)
     for i in range(model.n_body):
         j, m = int(model.vel_start[i]) + 6, int(model.n_mode[i])
-        stiffness = np.diagonal(modal_matrix(model, model.K_qq, i))
-        scale[j : j + m] = 1.0 / np.sqrt(np.maximum(stiffness, 1.0)) if elastic else 0.0
-    return scale
+        energy[j : j + m] = np.diagonal(modal_matrix(model, model.K_qq, i))
+    frames = np.isnan(energy)
+    energy *= scale**2
+    least = energy[energy > 0.0].min(initial=np.inf)
+    deforms = 1.0 / np.sqrt(np.maximum(energy / least, 1.0)) if elastic else 0.0
+    return np.asarray(scale * np.where(frames, PREFERRED if elastic else 1.0, deforms))
 
 
 def undeformed(model: Model, y: Array) -> Array:

@@ -42,6 +42,24 @@ def test_approximate_positions_of_flexible_bars_are_closed(runs):
         execute(far, progress=False)
 
 
+@pytest.mark.parametrize("stiffer", [1e-6, 1e6])
+def test_the_same_deformation_closes_bars_of_any_stiffness(runs, stiffer):
+    """A strain energy of 1 J was the unit: modes softer than that were all alike."""
+    from plymotion.solver.mechanism.consistent import with_closed_joints
+    from plymotion.solver.run.execution import read_run
+    from plymotion.solver.run.preparation import prepare
+
+    spec = read_run(runs / "flexible.json")
+    ready = prepare(spec.mechanism, spec.packages)
+    model, y = ready.model, ready.y0.copy()
+    y[int(model.pos_start[0]) + 7] = 1e-4  # of the deformation of the first bar
+    found = [
+        with_closed_joints(model._replace(K_qq=factor * model.K_qq), y, elastic=True)
+        for factor in (1.0, stiffer)
+    ]
+    np.testing.assert_allclose(found[1], found[0], atol=1e-12)
+
+
 def test_flexible_bars_turn(runs):
     """The crank turns, hinge C leaves the plane, and closes again after a whole turn."""
     t, s, summary = run_case(runs / "flexible.json")
