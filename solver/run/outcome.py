@@ -91,6 +91,7 @@ def collect(
     geometry, points = drawn_shapes(finished.built, y)
     balls = point_masses(finished.mechanism, finished.built)
     geometry = with_views(geometry, finished.built, y, balls, pictures(finished.mechanism))
+    progress(0.5)  # where nothing is measured, too: checks of 10,000 bodies take seconds
     multipliers = kept["", "multipliers"].all()
     result = RunResult(
         case=spec.case,

@@ -9,9 +9,14 @@ import time
 
 import pytest
 from harness.hostile_profile import LONG, WAIT_S
+from samples.case_samples import HEAD, SOLVER, rigid
 from tqdm import tqdm
 
 from plymotion.solver.commands import heartbeat
+from plymotion.solver.inputs.case.load import load_case
+from plymotion.solver.inputs.case.write import write_case
+from plymotion.solver.run import timing
+from plymotion.solver.run.execution import execute, read_run
 
 
 def test_a_line_for_what_takes_long(capsys, monkeypatch):
@@ -37,6 +42,18 @@ def test_a_progress_bar_has_no_lines_within(capsys, monkeypatch):
         time.sleep(0.05)
         beat.close()
     assert capsys.readouterr().err == ""
+
+
+def test_a_run_without_signals_tells_of_its_checks(tmp_path, monkeypatch, caplog):
+    """Those of 10,000 bodies take seconds."""
+    monkeypatch.setattr(timing, "FIRST_LINE_S", 0.0)
+    text = HEAD + rigid("ball", 1.0, 0.1, {"c": (0, 0, 0)})
+    text += SOLVER.format(t_end=0.1, step=0.1, more="")
+    (tmp_path / "case.toml").write_text(text)
+    write_case(load_case(tmp_path / "case.toml"), tmp_path / "build")
+    with caplog.at_level("INFO"):
+        execute(read_run(tmp_path / "build/runs/base.json"), progress=True)
+    assert any("signals and reactions: 50 %" in record.message for record in caplog.records)
 
 
 @pytest.mark.skipif(LONG == 1, reason="starts FEniCSx: `make attack`")
