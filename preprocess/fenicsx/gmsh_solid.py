@@ -17,6 +17,7 @@ from .gmsh_surface import (
     all_found,
     check_count,
     check_finite,
+    check_twice,
     curves,
     gmsh_session,
     opened,
@@ -337,6 +338,8 @@ def _read(path: Path, metres: float, exact: tuple[CadPart, ...]) -> GmshSolid:
     known = np.asarray(tags, dtype=np.int64)[order]
     points = np.reshape(coordinates, (-1, 3))[order[np.searchsorted(known, used)]]
     check_finite(points, used, str(path))
+    corners = labels[:, : 4 if shape == "tetrahedron" else 8]
+    check_twice(points, np.searchsorted(used, corners), str(path))
     plain = PlainMesh(
         points=metres * points,
         cells=np.searchsorted(used, labels),

@@ -61,6 +61,8 @@ def plain_from_model(where: str, gdim: int = 2) -> PlainMesh:
     cells = np.where(labels < 0, -1, at)
     check_finite(every[used], tags[used], where)
     points = _in_plane(every[used], where) if gdim == 2 else every[used]
+    if gdim == 3:
+        check_twice(points, cells, where)
     if n_node == 8:
         points, cells = with_centre_nodes(points, cells)
     named_curves = curves(tags, every, gdim)
@@ -166,6 +168,19 @@ def check_finite(points: Array, tags: IntArray, where: str) -> None:
         raise MeshError(
             f"{where}: node {tags[wrong[0]]} at {points[wrong[0]].tolist()}: expected finite "
             f"coordinates; wrong nodes: {wrong.size}"
+        )
+
+
+def check_twice(points: Array, cells: IntArray, where: str) -> None:
+    """Raise MeshError for cells with the corners of another one: DOLFINx crashes, or never ends."""
+    nodes = np.sort(cells, axis=1)
+    order = np.lexsort(nodes.T)
+    twice = order[1:][(np.diff(nodes[order], axis=0) == 0).all(axis=1)]
+    if twice.size:
+        place = points[cells[twice[0]].max()].tolist()
+        raise MeshError(
+            f"{where}: {twice.size} cells have the corners of another one, as at {place}: "
+            "a part is in two physical groups, or is meshed twice"
         )
 
 

@@ -133,7 +133,8 @@ def split(plain: PlainMesh) -> PlainMesh:
     """The mesh with each cell in four: at the middles of its sides, quadrilaterals at a centre.
 
     New nodes lie on the straight sides of the old cells. Cells keep their sense and region, four
-    after four; curves get the middles of their segments, and physical points stay.
+    after four. Curves get the middles of their segments; sets of points get those of the sides and
+    quadrilaterals whose corners are all in them, so that an edge named by its nodes stays whole.
 
     Parameters
     ----------
@@ -165,7 +166,11 @@ def split(plain: PlainMesh) -> PlainMesh:
     if named is not None:
         tags = np.concatenate([named.tags, named.tags.max() + 1 + np.arange(len(new) - n)])
         curves = {name: _halves(rows, edges, n) for name, rows in named.curves.items()}
-        named = named._replace(tags=tags, curves=curves)
+        marks = {}
+        for name, rows in named.points.items():
+            whole = [np.isin(corners, rows).all(axis=1) for corners in (edges.nodes, cells[quads])]
+            marks[name] = np.append(rows, n + np.flatnonzero(np.concatenate(whole)))
+        named = named._replace(tags=tags, curves=curves, points=marks)
     return replace(
         plain,
         points=new,

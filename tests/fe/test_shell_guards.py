@@ -15,6 +15,7 @@ from plymotion.preprocess.laminate.stiffness import LaminateError
 from plymotion.preprocess.shell.analyses.shell_analysis import analyse
 from plymotion.preprocess.shell.model.shell_problem import ShellProblem
 from plymotion.preprocess.shell.shell_cells import ShellError
+from plymotion.preprocess.shell.shell_mesh import shell_mesh
 
 Record = Callable[[str, Any], None]
 PRESS = {"press": {"all": {"pressure": 1.0}}}
@@ -131,6 +132,25 @@ def test_reversed_normals_and_t_junctions() -> None:
     flipped = {**regions, "s2": {**regions["all"], "flip": True}}
     assert codes(metal(bad, regions=flipped)) == []
     assert codes(metal(good, regions=flipped)) == ["normals-disagree"]
+
+
+def test_a_surface_that_is_there_twice(tmp_path: Path) -> None:
+    """As gmsh's format 2 writes what is in two groups: it was as stiff and heavy as two."""
+    path = tmp_path / "twice.msh"
+    lines = [
+        "$MeshFormat",
+        "2.2 0 8",
+        "$EndMeshFormat",
+        "$PhysicalNames",
+        "2",
+        '2 1 "a"',
+        '2 2 "b"',
+    ]
+    lines += ["$EndPhysicalNames", "$Nodes", "4", "1 0 0 0", "2 1 0 0", "3 1 1 0", "4 0 1 0"]
+    lines += ["$EndNodes", "$Elements", "2", "1 3 2 1 1 1 2 3 4", "2 3 2 2 2 2 3 4 1"]
+    path.write_text("\n".join([*lines, "$EndElements", ""]))
+    with pytest.raises(ShellError, match="1 cells have the corners of another one"):
+        shell_mesh({"file": str(path)}, "mesh")
 
 
 @pytest.mark.provokes("nodes-not-merged", "several-parts")

@@ -64,7 +64,8 @@ def test_triangles_and_quadrilaterals_of_one_mesh() -> None:
     points = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [2, 0, 0]], dtype=float)
     cells = np.array([[0, 1, 2, 3], [1, 4, 2, NONE]])
     curves = {"side": np.array([[4, 1], [1, 2]]), "across": np.array([[0, 2]])}
-    named = NamedNodes(np.arange(1, 6), curves, {"corner": np.array([4])})
+    marks = {"corner": np.array([4]), "edge": np.array([2, 1, 4]), "face": np.arange(4)}
+    named = NamedNodes(np.arange(1, 6), curves, marks)
     found = split(PlainMesh(points, cells, "mixed", 1, np.array([0, 1]), ("a", "b"), {}, named))
     assert found.region.tolist() == [0] * 4 + [1] * 4
     assert tables.corner_counts(found.cells).tolist() == [4] * 4 + [3] * 4
@@ -80,6 +81,14 @@ def test_triangles_and_quadrilaterals_of_one_mesh() -> None:
         [[1, 0.5], [1, 1]],
     ]
     assert found.named.curves["across"].tolist() == [[0, 2]]
+    # an edge by its nodes, as in decks of Abaqus: only every second node of it was held
+    added = {
+        name: found.points[rows[len(marks[name]) :], :2].tolist()
+        for name, rows in found.named.points.items()
+    }
+    assert added["corner"] == []
+    assert sorted(added["edge"]) == [[1, 0.5], [1.5, 0], [1.5, 0.5]]
+    assert sorted(added["face"]) == [[0, 0.5], [0.5, 0], [0.5, 0.5], [0.5, 1], [1, 0.5]]
 
 
 def test_split_cells_converge_as_those_of_the_script(tmp_path: Path) -> None:

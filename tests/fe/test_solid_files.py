@@ -362,6 +362,33 @@ def test_faces_that_are_not_there_are_named(interface: Any, words: str, tmp_path
     assert words in str(error.value)
 
 
+CORNERS = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 1, 1)]
+LINEAR, QUADRATIC = "4 2 1 1 1 2 3 4", "11 2 1 1 2 3 4 5 6 7 8 9 10 11"
+
+
+@pytest.mark.parametrize(
+    ("cells", "words"),
+    [
+        ((LINEAR, QUADRATIC), "one kind and degree only"),
+        ((QUADRATIC, LINEAR), "one kind and degree only"),
+        ((LINEAR, LINEAR), "1 cells have the corners of another one"),
+    ],
+)
+def test_meshes_that_gmsh_or_dolfinx_would_crash_on(
+    tmp_path: Path, cells: tuple[str, str], words: str
+) -> None:
+    pairs = [(1, 2), (2, 3), (1, 3), (1, 4), (3, 4), (2, 4)]
+    middles = [tuple(0.5 * np.add(CORNERS[a], CORNERS[b])) for a, b in pairs]
+    lines = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$PhysicalNames", "1", '3 1 "a"']
+    lines += ["$EndPhysicalNames", "$Nodes", "11"]
+    lines += [f"{k} {x} {y} {z}" for k, (x, y, z) in enumerate(CORNERS + middles, start=1)]
+    lines += ["$EndNodes", "$Elements", "2", *(f"{k} {c}" for k, c in enumerate(cells, start=1))]
+    file = tmp_path / "part.msh"
+    file.write_text("\n".join([*lines, "$EndElements", ""]))
+    with pytest.raises(SolidError, match=words):
+        model_of(file, 1.0, unit=1.0)
+
+
 def test_ten_million_unknowns_are_refused_before_meshing(tmp_path: Path) -> None:
     file = tmp_path / "part.step"
     step_file(file, bracket)
