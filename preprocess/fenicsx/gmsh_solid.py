@@ -13,16 +13,7 @@ from ...solver.errors import few
 from ...solver.math.arrays import Array, IntArray
 from ...solver.package.specification import CAD, CAD_WITH_UNIT
 from .gmsh_alone import allow, define, read
-from .gmsh_surface import (
-    all_found,
-    check_count,
-    check_finite,
-    check_twice,
-    curves,
-    gmsh_session,
-    opened,
-    physical,
-)
+from .gmsh_surface import all_found, check_count, check_mesh, curves, gmsh_session, opened, physical
 from .plain import PlainMesh
 from .stack import MeshError, gmsh
 
@@ -337,12 +328,11 @@ def _read(path: Path, metres: float, exact: tuple[CadPart, ...]) -> GmshSolid:
     order = np.argsort(tags)
     known = np.asarray(tags, dtype=np.int64)[order]
     points = np.reshape(coordinates, (-1, 3))[order[np.searchsorted(known, used)]]
-    check_finite(points, used, str(path))
-    corners = labels[:, : 4 if shape == "tetrahedron" else 8]
-    check_twice(points, np.searchsorted(used, corners), str(path))
+    cells = np.searchsorted(used, labels)
+    check_mesh(points, used, cells[:, : 4 if shape == "tetrahedron" else 8], str(path))
     plain = PlainMesh(
         points=metres * points,
-        cells=np.searchsorted(used, labels),
+        cells=cells,
         cell=shape,
         degree=2,
         region=np.repeat(np.arange(len(groups)), [sum(map(len, own)) for own in tables]),

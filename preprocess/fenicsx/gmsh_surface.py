@@ -59,10 +59,8 @@ def plain_from_model(where: str, gdim: int = 2) -> PlainMesh:
     position[used] = np.arange(len(used))
     at = position[np.searchsorted(tags, np.maximum(labels, tags[0]))]
     cells = np.where(labels < 0, -1, at)
-    check_finite(every[used], tags[used], where)
+    check_mesh(every[used], tags[used], cells, where)
     points = _in_plane(every[used], where) if gdim == 2 else every[used]
-    if gdim == 3:
-        check_twice(points, cells, where)
     if n_node == 8:
         points, cells = with_centre_nodes(points, cells)
     named_curves = curves(tags, every, gdim)
@@ -161,26 +159,25 @@ def _check_membership(groups: Mapping[str, Sequence[int]], where: str) -> None:
         )
 
 
-def check_finite(points: Array, tags: IntArray, where: str) -> None:
-    """Raise MeshError for a coordinate that is not finite; `tags` are the numbers of the file."""
+def check_mesh(points: Array, tags: IntArray, corners: IntArray, where: str) -> None:
+    """Raise MeshError for a coordinate that is not finite, and for cells that are there twice.
+
+    DOLFINx crashes of these, or never ends. `tags` are the numbers of the nodes in the file.
+    """
     wrong = np.flatnonzero(~np.isfinite(points).all(axis=1))
     if wrong.size:
         raise MeshError(
             f"{where}: node {tags[wrong[0]]} at {points[wrong[0]].tolist()}: expected finite "
             f"coordinates; wrong nodes: {wrong.size}"
         )
-
-
-def check_twice(points: Array, cells: IntArray, where: str) -> None:
-    """Raise MeshError for cells with the corners of another one: DOLFINx crashes, or never ends."""
-    nodes = np.sort(cells, axis=1)
+    nodes = np.sort(corners, axis=1)
     order = np.lexsort(nodes.T)
     twice = order[1:][(np.diff(nodes[order], axis=0) == 0).all(axis=1)]
     if twice.size:
-        place = points[cells[twice[0]].max()].tolist()
         raise MeshError(
-            f"{where}: {twice.size} cells have the corners of another one, as at {place}: "
-            "a part is in two physical groups, or is meshed twice"
+            f"{where}: {twice.size} cells have the corners of another one, as at "
+            f"{points[corners[twice[0]].max()].tolist()}: a part is in two physical groups, or is "
+            "meshed twice"
         )
 
 
