@@ -9,10 +9,13 @@ from ..solver.math.arrays import Array
 from ..solver.package.common.plain_data import plain
 from ..solver.results import RunResult, Summary
 from ..solver.studies.cases import folder_lock
-from ..solver.studies.design.gradient import compute_gradient, gradient_table
+from ..solver.studies.design.gradient import (
+    compute_gradient,
+    compute_sensitivities,
+    gradient_table,
+)
 from ..solver.studies.exit_codes import shown
 from ..solver.studies.sensitivities.case_sensitivities import (
-    compute_sensitivities,
     scaled,
     sensitivity_table,
     write_sensitivities,
@@ -123,7 +126,7 @@ def sensitivities(
     case: Case | str | Path,
     run: str | None = None,
     *,
-    of: Sequence[str],
+    of: Sequence[str] = (),
     packages: str | Path | None = None,
     coarse: bool = False,
     progress: bool = False,
@@ -134,7 +137,8 @@ def sensitivities(
     Parameters
     ----------
     case, run, packages, coarse, progress : as for `plymotion.run`
-    of : keys of numbers, as in sweeps, and design parameters by which packages have derivatives
+    of : keys of numbers, as in sweeps; names of `[design.parameters]`, or of parameters by which
+        packages have derivatives; none: all of `[design.parameters]` with numbers
     objective : one number in place of all signals, as in `minimise` of a study; its derivatives,
         by the adjoint of the run, are the `gradient`
 

@@ -170,7 +170,7 @@ def add_sensitivities(parser: Any) -> None:
 
     The derivatives of the motion are integrated beside the run, whose integrator must be "radau",
     for all numbers together. Keys are those of sweeps, such as forces.spring.stiffness or
-    gravity.2.
+    gravity.2, and names of [design.parameters], such as ply angles.
 
     Writes result.vtkhdf (the run, with /sensitivities/SIGNAL/KEY at all output times) and
     summary.json, and prints which number has the most effect. Method and limits:
@@ -186,7 +186,7 @@ def add_sensitivities(parser: Any) -> None:
     """
     parser.add_argument("case", type=Path, metavar="CASE", help="CASE.toml")
     parser.add_argument("--run", metavar="NAME", help="run of the case (default: the first)")
-    add(parser, "--of", "KEY", "keys of numbers", str, nargs="+", required=True)
+    add(parser, "--of", "KEY", "keys (default: all [design.parameters])", str, nargs="+")
     text = 'one number in place of signals, as in studies: \'{ signal = "tip", of = "rms" }\''
     parser.add_argument("--objective", metavar="TABLE", help=text)
     text = "folder of the case (default build/CASE); results go to DIR/sensitivities/RUN"

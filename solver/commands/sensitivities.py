@@ -9,12 +9,8 @@ from ..inputs.case.load import checked_case
 from ..inputs.case.record import case_file
 from ..inputs.common.text_file import read_toml
 from ..studies.cases import build_folder, chosen_run
-from ..studies.design.gradient import compute_gradient, gradient_table
-from ..studies.sensitivities.case_sensitivities import (
-    compute_sensitivities,
-    sensitivity_table,
-    write_sensitivities,
-)
+from ..studies.design.gradient import compute_gradient, compute_sensitivities, gradient_table
+from ..studies.sensitivities.case_sensitivities import sensitivity_table, write_sensitivities
 
 
 def _objective(text: str) -> dict[str, object]:
@@ -33,7 +29,7 @@ def run_sensitivities(options: argparse.Namespace) -> int:
     table = read_toml(file, "case file")
     run = chosen_run(checked_case(table, file, coarse=options.coarse, sweeps=()), options.run)
     build: Path = options.out or build_folder(file, coarse=options.coarse)
-    where = (table, file, run, options.of)
+    where = (table, file, run, options.of or ())
     common = {"build": build, "packages": options.packages, "coarse": options.coarse}
     if options.objective is None:
         result, summary = compute_sensitivities(*where, **common, progress=not options.quiet)

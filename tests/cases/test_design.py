@@ -331,6 +331,51 @@ def test_gradient_of_a_run_is_that_of_rebuilt_designs(fenicsx: str, tmp_path: Pa
             np.testing.assert_allclose(np.array(slopes)[:, k], expected, rtol=0.0, atol=near_by)
 
 
+def test_sensitivities_by_all_parameters_of_a_design(fenicsx: str) -> None:
+    """Without keys: the angle of a ply and a mass; the angle against two packages beside."""
+    load = {"of": ["masses.load.mass"], "kind": "number", "bounds": [0.5, 2.0]}
+    table = swung(parameters={"p0": angles(1)["p0"], "load": load})
+    found = pm.sensitivities(_case(table), "base")
+    assert found.parameters == {"p0": 20.0, "load": 1.0}
+    own, h, ends = found.derivatives["z"], 0.05, []
+    plies = table["sections"]["tube"]["description"]["laminates"]["wall"]["plies"]
+    for angle in (20.0 - h, 20.0 + h):
+        plies[0]["angle_deg"] = angle
+        ends.append(pm.run(_case(table, f"at_{angle}"), "base").signals["z"].values)
+    expected = (ends[1] - ends[0]) / (2.0 * h)
+    size = np.abs(expected).max()
+    assert size > 1e-6
+    np.testing.assert_allclose(own["p0"], expected, rtol=0.0, atol=1e-5 * size)
+    plies[0]["angle_deg"] = 20.0
+    direct = pm.sensitivities(_case(table), "base", of=["masses.load.mass"]).derivatives["z"]
+    size = np.abs(own["load"]).max()
+    np.testing.assert_allclose(own["load"], direct["masses.load.mass"], rtol=0.0, atol=1e-6 * size)
+    mean = {"signal": "z", "of": "rms"}
+    by_adjoint = pm.sensitivities(_case(table), "base", of=["p0"], objective=mean).gradient["p0"]
+    z = found.signals["z"].values
+    weights = np.r_[0.5, np.ones(z.size - 2), 0.5]
+    slope = (weights * z * own["p0"]).sum() / np.sqrt((weights * z**2).sum() * weights.sum())
+    assert by_adjoint == pytest.approx(slope, rel=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("keys", "objective", "words"),
+    [
+        (["k", "k"], None, "--of k: given twice"),
+        (["kk"], None, "has derivatives by it .*did you mean 'k'"),
+        (["k"], {"signal": "far", "of": "rms"}, "objective: signal far reads another run"),
+    ],
+)
+def test_mistakes_in_sensitivities(
+    keys: list[str], objective: dict[str, Any] | None, words: str
+) -> None:
+    table = oscillator()
+    table["runs"]["other"] = {}
+    table["signals"]["far"] = {"kind": "difference", "of": "x", "run": "other"}
+    with pytest.raises(InputError, match=re.escape(words).replace(r"\.\*", ".*")):
+        pm.sensitivities(_case(table), "base", of=keys, objective=objective)
+
+
 def test_packages_without_derivatives_have_differences(
     fenicsx: str, caplog: pytest.LogCaptureFixture
 ) -> None:

@@ -34,6 +34,7 @@ from ..sensitivities.differentiated_run import (
     change_of,
     cuts_of,
     followed,
+    of_steps,
     sensors_beside,
     sides,
 )
@@ -248,8 +249,10 @@ def gradients(
         ],
         axis=1,
     )
-    for each in reversed(steps):
-        adjoint.back(each, times, by_state)
+    untils = [times[0], *(each.t[-1] for each in steps)]
+    for until, each in zip(untils[-2::-1], reversed(steps), strict=True):
+        own, within = of_steps(times, float(until), each.t)
+        adjoint.back(each, within, by_state[own])
     direct = [
         change(np.zeros(spans.size), parameter.h, pair).sum(axis=0)
         for parameter, pair in zip(parameters, pairs, strict=True)

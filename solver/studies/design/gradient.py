@@ -1,6 +1,8 @@
-"""The gradient of one number of a run by many parameters, by the adjoint of its motion."""
+"""Derivatives of a run by numbers of its case and parameters of its design: of all signals by the
+tangent of its motion, of one number by the adjoint."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -12,15 +14,58 @@ from ...inputs.case.design import unknown_subject
 from ...inputs.case.tables.design_keys import Quantity
 from ...inputs.common.input_table import validated
 from ...report.table import aligned
-from ...results import RunResult, Summary
+from ...results import Derivative, RunResult, Summary
 from ...run.outcome import collect
 from ...run.preparation import integrated, prepare
-from ..sensitivities.case_sensitivities import asked_of
-from ..sensitivities.differentiated_run import Trace
+from ..sensitivities.differentiated_run import Trace, with_sensitivities
+from .asked import asked_of, design_keys
 from .exact import Traced, by_adjoint
 from .measures import Made, measure_of
 
 OBJECTIVE: Final = "objective"  # of summary.json
+
+
+def compute_sensitivities(
+    table: dict[str, object],
+    file: Path,
+    run: str,
+    keys: Sequence[str],
+    *,
+    build: Path,
+    packages: Path | None = None,
+    coarse: bool = False,
+    progress: bool = False,
+) -> tuple[RunResult, Summary]:
+    """Return result and summary of a run of a case, with its derivatives by the numbers at `keys`.
+
+    Parameters
+    ----------
+    keys : of numbers, names of `[design.parameters]`, or of parameters by which packages have
+        derivatives; none: all of `[design.parameters]` with numbers
+    table, file : content of a case file, and its name for messages and relative paths
+    build : folder of the case, where packages are built unless `packages` has them
+
+    Raises
+    ------
+    InputError, PackageError
+        A mistake in the case; a key that is none of a number of the mechanism; what has no
+        derivative.
+    """
+    keys = keys or design_keys(table)
+    spec, parameters, shares = asked_of(table, file, run, keys, build, packages, coarse=coarse)
+    result, summary = with_sensitivities(spec, parameters, progress=progress)
+    if shares is None:
+        return result, summary
+    derivatives = list[Derivative]()
+    for signal in result.signals:
+        own = [one for one in result.sensitivities if one.signal == signal.name]
+        rates = np.stack([one.values for one in own], axis=-1) @ shares
+        for k, key in enumerate(keys):
+            number = next((p for p in parameters if p.name == key), None)
+            unit, value = (number.unit, number.value) if number else ("", 0.0)
+            unit = f"({signal.unit})/({unit})" if unit else signal.unit
+            derivatives.append(Derivative(signal.name, key, unit, value, rates[..., k]))
+    return replace(result, sensitivities=tuple(derivatives)), summary
 
 
 def compute_gradient(
@@ -50,9 +95,15 @@ def compute_gradient(
     measure = measure_of(quantity)
     if not measure.runs:
         raise InputError(f"objective: {quantity.words()}: expected a signal, strength or energy")
+    keys = keys or design_keys(table)
     spec, parameters, shares = asked_of(table, file, run, keys, build, packages, coarse=coarse)
     refuse(unknown_subject("objective", quantity, spec.mechanism))
     prepared = prepare(spec.mechanism, spec.packages)
+    if quantity.subject == "signal" and quantity.name not in prepared.measured:
+        raise InputError(
+            f"objective: signal {quantity.name} reads another run, whose derivatives a study has; "
+            "expected a signal of this run"
+        )
     trace = Trace(prepared)
     finished = integrated(prepared, trace, stages=True)
     solution = finished.solution

@@ -251,14 +251,31 @@ class Trials:
 
     # How a design is made.
 
-    def _made_exact(self, p: Array) -> Made | str:
+    def differentiable(self) -> tuple[RunSpec, list[Parameter]]:
+        """Return the run of the first design, whose packages have all derivatives; its parameters.
+
+        Raises
+        ------
+        InputError
+            Why there are none.
+        """
+        made = self._made_exact(self.study.start, strains=True)
+        if isinstance(made, str) or self._refused:
+            raise InputError(made if isinstance(made, str) else self._refused)
+        beside = zip(self._beside[self.study.table.run], self.study.start, strict=True)
+        return made.spec, [
+            replace(each, unit=self.study.unit(each.name), value=float(value))
+            for each, value in beside
+        ]
+
+    def _made_exact(self, p: Array, *, strains: bool = False) -> Made | str:
         """Return a design whose packages carry derivatives; of an invalid one, why."""
         names, steps = list(self.study.parameters), self.steps(STEP)
         try:
             ranges = np.array([q.range() for q in self.study.parameters.values()])
             designs = self.study.designs(beside(p, steps, ranges))
             own, count = designs.own, 1 + 2 * p.size
-            strains = bool(designs.others) or self._reads_strains()
+            strains = strains or bool(designs.others) or self._reads_strains()
             runs = {self.study.table.run: own, **designs.others}
             built: list[tuple[str, BodySpec]] = []
             for members in runs.values():

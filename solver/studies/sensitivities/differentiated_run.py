@@ -4,6 +4,7 @@ from collections.abc import Container, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...dynamics.elements.forces.limit_stop import LIMIT_STOP
 from ...dynamics.evaluation.evaluation import Instants, beyond, reads_reactions, sampled
@@ -78,9 +79,7 @@ class _Follower:
         part = replace(
             steps, t=t, y=y, Z=steps.Z[begin:end], multipliers=steps.multipliers[begin:end]
         )
-        # Behind a bend of a law of time, steps begin a bit later than those before it ended.
-        own = (self.times > self._until) & (self.times <= t[-1])
-        times = np.maximum(self.times[own], np.nextafter(t[0], np.inf))
+        own, times = of_steps(self.times, self._until, t)
         self.S[own], self._until = self._tangent.follow(part, times), t[-1]
         before = y[-1].copy()
         before[self._first :] = y[-2, self._first :] + steps.Z[end - 1, 2, self._first :]
@@ -106,6 +105,21 @@ class _Follower:
                     "shorter solver.t_end, or a stop with impact_speed"
                 )
         self._tangent.jump(t, before, after, event)
+
+
+def of_steps(times: Array, until: float, t: Array) -> tuple[NDArray[np.bool_], Array]:
+    """Return which times are those of some steps, and these times, within the steps.
+
+    Behind a bend of a law of time, steps begin a bit later than those before it ended.
+
+    Parameters
+    ----------
+    times : output times [s]
+    until : end of the steps before [s]
+    t : ends of the steps, their beginning first [s]
+    """
+    own = (times > until) & (times <= t[-1])
+    return own, np.maximum(times[own], np.nextafter(t[0], np.inf))
 
 
 class Trace:

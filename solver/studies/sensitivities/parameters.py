@@ -54,13 +54,10 @@ def with_parameters(
     Raises
     ------
     InputError
-        As `checked_case`; a key that is not that of a number, is given twice, or changes the
-        package of a flexible body or the times of the run.
+        As `checked_case`; a key that is not that of a number, or changes the package of a flexible
+        body or the times of the run.
     """
     case = checked_case(table, file, coarse=coarse, sweeps=())
-    twice = {key for key in keys if list(keys).count(key) > 1}
-    if twice:
-        raise InputError(f"--of {few(twice)}: given twice")
     given, wrong = list[tuple[str, float, CheckedSweep]](), list[str]()
     for key in keys:
         if key.startswith("solver."):
@@ -97,8 +94,14 @@ def parameter_of(spec: RunSpec, key: str, value: float, sweep: CheckedSweep) -> 
     return Parameter(key, sweep.parameters[0].unit, value, 0.5 * (high - low), minus, plus)
 
 
-def design_parameter(spec: RunSpec, name: str) -> Parameter:
+def design_parameter(spec: RunSpec, name: str, others: Sequence[str] = ()) -> Parameter:
     """Return a design parameter of packages, by the derivatives that they have (/design/NAME).
+
+    Parameters
+    ----------
+    spec : the run
+    name : of the parameter
+    others : names that a message may propose besides those of packages
 
     Raises
     ------
@@ -113,13 +116,13 @@ def design_parameter(spec: RunSpec, name: str) -> Parameter:
             if rate.any() and size > 0.0:
                 steps.append(RELATIVE * size / float(np.abs(rate).max()))
     if not steps:
-        raise _without_derivatives(spec, name)
+        raise _without_derivatives(spec, name, others)
     h = min(steps)
     return Parameter(name, "", 0.0, h, spec.moved(name, -h), spec.moved(name, h))
 
 
-def _without_derivatives(spec: RunSpec, name: str) -> InputError:
-    known = {one.name for package in spec.packages.values() for one in package.design}
+def _without_derivatives(spec: RunSpec, name: str, others: Sequence[str] = ()) -> InputError:
+    known = {*others} | {one.name for package in spec.packages.values() for one in package.design}
     return InputError(
         f"--of {name}: no package of {spec.run} has derivatives by it (/design/{name}); "
         f"expected a dotted key of a number{nearest(name, known)}"

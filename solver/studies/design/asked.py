@@ -1,0 +1,94 @@
+"""The parameters that derivatives of a run are asked for by: numbers of its case, parameters of its
+`[design]`, and those by which its packages have derivatives."""
+
+import shutil
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...errors import InputError, few
+from ...math.arrays import Array
+from ...run.inputs import RunSpec
+from ..modes.state import spec_of_run
+from ..sensitivities.parameters import (
+    Parameter,
+    combined,
+    design_parameter,
+    parameter_of,
+    with_parameters,
+)
+from .trials import BODIES, StudySpec, Trials
+
+MANY = 50  # parameters of packages, above which they are combined
+OF_DESIGN = "sensitivities"  # the study whose first design has the packages
+
+
+def design_keys(table: dict[str, Any]) -> list[str]:
+    """Return the names of `[design.parameters]` of a case, without those that choose names."""
+    design = table.get("design")
+    known = design.get("parameters") if isinstance(design, dict) else None
+    return [
+        name
+        for name, given in (known.items() if isinstance(known, dict) else ())
+        if not (isinstance(given, dict) and given.get("kind") == "choice")
+    ]
+
+
+def asked_of(
+    table: dict[str, object],
+    file: Path,
+    run: str,
+    keys: Sequence[str],
+    build: Path,
+    packages: Path | None,
+    *,
+    coarse: bool,
+) -> tuple[RunSpec, list[Parameter], Array | None]:
+    """Return a run and its parameters at `keys`; see `compute_sensitivities`.
+
+    Many design parameters are replaced by fewer that change the packages in all ways that they do
+    (`combined`); then the last is (fewer, keys): what a parameter has of each.
+    """
+    if not keys:
+        raise InputError("--of: expected at least one key of a number, such as gravity.2")
+    if twice := {key for key in keys if list(keys).count(key) > 1}:
+        raise InputError(f"--of {few(twice)}: given twice")
+    dotted = [key for key in keys if "." in key]
+    case, members = with_parameters(table, file, run, dotted, coarse=coarse)
+    known = design_keys(table)
+    designed, shares = [key for key in keys if key in known], None
+    if designed:
+        spec, of_design = _of_design(table, file, run, designed, build, coarse=coarse)
+    else:
+        spec, of_design = spec_of_run(case, run, build, packages), []
+    names = [key for key in keys if "." not in key and key not in known]
+    if len(names) > MANY:
+        spec, own = combined(spec, names)
+        others = [*(member[0] for member in members), *designed]
+        shares = np.zeros((len(others) + len(own), len(keys)))
+        for k, name in enumerate(others):
+            shares[k, keys.index(name)] = 1.0
+        shares[len(others) :, [keys.index(name) for name in names]] = own
+        names = [str(k) for k in range(len(own))]
+    numbers = [parameter_of(spec, *member) for member in members]
+    parameters = [*numbers, *of_design, *(design_parameter(spec, name, known) for name in names)]
+    if shares is None:
+        parameters.sort(key=lambda parameter: keys.index(parameter.name))
+    return spec, parameters, shares
+
+
+def _of_design(
+    table: dict[str, Any], file: Path, run: str, names: list[str], build: Path, *, coarse: bool
+) -> tuple[RunSpec, list[Parameter]]:
+    """Return a run with packages that have derivatives, and its parameters of `[design]`."""
+    study = {"run": run, "parameters": names, "minimise": {"mass": "mechanism"}, "rtol": 0.5}
+    given = table["design"]
+    design = {**given, "studies": {**given.get("studies", {}), OF_DESIGN: study}}
+    folder = build / OF_DESIGN / run
+    trials = Trials(StudySpec({**table, "design": design}, file, coarse, OF_DESIGN, folder))
+    try:
+        return trials.differentiable()
+    finally:
+        shutil.rmtree(folder / BODIES, ignore_errors=True)
