@@ -2,13 +2,13 @@
 `[design]`, and those by which its packages have derivatives."""
 
 import shutil
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from ...errors import InputError, few
+from ...inputs.common.text_file import Tables
 from ...math.arrays import Array
 from ...run.inputs import RunSpec
 from ..modes.state import spec_of_run
@@ -25,7 +25,7 @@ MANY = 50  # parameters of packages, above which they are combined
 OF_DESIGN = "sensitivities"  # the study whose first design has the packages
 
 
-def design_keys(table: dict[str, Any]) -> list[str]:
+def design_keys(table: Mapping[str, object]) -> list[str]:
     """Return the names of `[design.parameters]` of a case, without those that choose names."""
     design = table.get("design")
     known = design.get("parameters") if isinstance(design, dict) else None
@@ -80,7 +80,7 @@ def asked_of(
 
 
 def _of_design(
-    table: dict[str, Any], file: Path, run: str, names: list[str], build: Path, *, coarse: bool
+    table: Tables, file: Path, run: str, names: list[str], build: Path, *, coarse: bool
 ) -> tuple[RunSpec, list[Parameter]]:
     """Return a run with packages that have derivatives, and its parameters of `[design]`."""
     study = {"run": run, "parameters": names, "minimise": {"mass": "mechanism"}, "rtol": 0.5}
