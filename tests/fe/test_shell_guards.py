@@ -163,6 +163,18 @@ def test_parts_that_touch_without_common_nodes() -> None:
     assert codes(metal(mesh)) == ["several-parts"]
 
 
+def test_parts_that_touch_in_one_node() -> None:
+    """A link that joins both makes them one part."""
+    points = [[0, 0, 0], [1, 0, 0], [0.5, 1, 0], [2, 0, 0], [1.5, 1, 0]]
+    mesh = mesh_from(points, [[0, 1, 2], [1, 3, 4]], tips=[[2, 4]])
+    (warning,) = metal(mesh).warnings
+    assert warning["code"] == "several-parts"
+    assert "touch in 1 single nodes, one at (1, 0, 0)" in warning["message"]
+    assert not codes(metal(mesh, links={"tips": {"at": "tips", "kind": "rigid"}}))
+    points = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1]]  # three cells at a side
+    assert not codes(metal(mesh_from(points, [[0, 1, 2], [1, 0, 3], [0, 1, 4]])))
+
+
 def test_regions_without_laminate() -> None:
     spec = box()
     del spec["regions"]["left"]

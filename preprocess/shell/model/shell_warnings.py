@@ -7,7 +7,7 @@ import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 
 from ....solver.errors import coded, few
-from ....solver.math.arrays import Array
+from ....solver.math.arrays import Array, IntArray
 from ....solver.package.common.cells import NONE, corner_counts
 from ....solver.package.shell import elements
 from ...mesh_input import coincident
@@ -93,8 +93,36 @@ def _unmerged(mesh: ShellMesh, links: Sequence[Link]) -> Warnings:
             "In gmsh, use BooleanFragments, or Coherence",
         )
     n_part = Freedom(mesh, links).parts().max() + 1
-    text = f"the shell is in {n_part} parts that are not connected"
-    return coded("several-parts", text) if n_part > 1 else []
+    if n_part > 1:
+        return coded("several-parts", f"the shell is in {n_part} parts that are not connected")
+    hinges = _hinges(mesh, links)
+    return (
+        coded(
+            "several-parts",
+            f"parts of the shell touch in {hinges.size} single nodes, one at "
+            f"{_at(mesh.points_G[hinges[0]])}, which hardly hold a part against turning: answers "
+            "depend on the mesh. Parts must share sides of cells, or be joined by a link",
+        )
+        if hinges.size
+        else []
+    )
+
+
+def _hinges(mesh: ShellMesh, links: Sequence[Link]) -> IntArray:
+    """Nodes of cells that neither common sides nor links connect."""
+    edges, own = mesh.edges, len(mesh.cells) + len(mesh.edges.count)
+    pairs = [(edges.owner, len(mesh.cells) + edges.number)]
+    for row, link in enumerate(links):
+        cells = edges.owner[np.isin(edges.ends, link.group.nodes).any(axis=1)]
+        pairs.append((cells, np.full(cells.size, own + row)))
+    a, b = map(np.concatenate, zip(*pairs, strict=True))
+    graph = sp.csr_matrix((np.ones(a.size), (a, b)), shape=(own + len(links),) * 2)
+    part = connected_components(graph, directed=False)[1][edges.owner]
+    lowest, highest = np.full(mesh.n_node, len(part)), np.full(mesh.n_node, -1)
+    for end in edges.ends.T:
+        np.minimum.at(lowest, end, part)
+        np.maximum.at(highest, end, part)
+    return np.flatnonzero(lowest < highest)
 
 
 def _turned(mesh: ShellMesh, shared: Sides) -> Warnings:
