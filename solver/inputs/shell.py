@@ -13,7 +13,18 @@ from ..errors import nearest, refuse
 from ..package.shell import elements
 from ..package.shell.elements import DRILLINGS, MEMBRANES, PLATES, QUADS, in_words
 from ..package.specification import ShellLinkKind
-from .common.input_table import Around, Axis, Name, Pair, Table, Vector, entry, optional, validated
+from .common.input_table import (
+    Around,
+    Axis,
+    FilePath,
+    Name,
+    Pair,
+    Table,
+    Vector,
+    entry,
+    optional,
+    validated,
+)
 from .common.materials import Content, Laminate, Material, Ply
 from .common.units import MEANING, Unit, file_units, own_scale
 
@@ -192,7 +203,7 @@ class Mesh(Table):
 
     one_of = ("file", "shape")
 
-    file: str | None = optional(
+    file: FilePath | None = optional(
         "path, relative to this file: gmsh's .msh, a .geo script, a .py with build(gmsh, "
         "parameters), or any mesh that meshio reads (.inp, .med, .vtu, ...)"
     )

@@ -83,9 +83,9 @@ def note_complete(file: str) -> None:
 
 def ending_words() -> str:
     """Return what an interrupted command says of its files."""
-    kept = [file for file in _written if os.path.exists(file)]  # not of temporary folders
-    if kept:
-        return f"interrupted: complete files are kept, the last is {kept[-1]}"
+    last = next((file for file in reversed(_written) if os.path.exists(file)), None)
+    if last is not None:  # those of temporary folders are gone
+        return f"interrupted: complete files are kept, the last is {last}"
     return "interrupted: nothing written"
 
 

@@ -96,15 +96,13 @@ def _unmerged(mesh: ShellMesh, links: Sequence[Link]) -> Warnings:
     if n_part > 1:
         return coded("several-parts", f"the shell is in {n_part} parts that are not connected")
     hinges = _hinges(mesh, links)
-    return (
-        coded(
-            "several-parts",
-            f"parts of the shell touch in {hinges.size} single nodes, one at "
-            f"{_at(mesh.points_G[hinges[0]])}, which hardly hold a part against turning: answers "
-            "depend on the mesh. Parts must share sides of cells, or be joined by a link",
-        )
-        if hinges.size
-        else []
+    if not hinges.size:
+        return []
+    return coded(
+        "several-parts",
+        f"parts of the shell touch in {hinges.size} single nodes, one at "
+        f"{_at(mesh.points_G[hinges[0]])}, which hardly hold a part against turning: answers "
+        "depend on the mesh. Parts must share sides of cells, or be joined by a link",
     )
 
 

@@ -5,7 +5,6 @@ Scripts run with the rights of the user, unless refused.
 
 import contextlib
 import hashlib
-import os
 import re
 from collections.abc import Collection, Iterator, Sequence
 from contextvars import ContextVar
@@ -57,7 +56,7 @@ def mesh_source(name: str, folder: Path) -> tuple[Path, str]:
             f"{key}: expected no script with --no-scripts, it would run commands; a mesh .msh is "
             "only read"
         )
-    if not os.path.isfile(file):  # a name that is too long is none, either
+    if not file.is_file():
         raise InputError(f"{key}: there is no file {file}")
     return file, key
 

@@ -2,7 +2,7 @@
 `[design]`, and those by which its packages have derivatives."""
 
 import shutil
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -25,17 +25,6 @@ MANY = 50  # parameters of packages, above which they are combined
 OF_DESIGN = "sensitivities"  # the study whose first design has the packages
 
 
-def design_keys(table: Mapping[str, object]) -> list[str]:
-    """Return the names of `[design.parameters]` of a case, without those that choose names."""
-    design = table.get("design")
-    known = design.get("parameters") if isinstance(design, dict) else None
-    return [
-        name
-        for name, given in (known.items() if isinstance(known, dict) else ())
-        if not (isinstance(given, dict) and given.get("kind") == "choice")
-    ]
-
-
 def asked_of(
     table: dict[str, object],
     file: Path,
@@ -45,19 +34,21 @@ def asked_of(
     packages: Path | None,
     *,
     coarse: bool,
-) -> tuple[RunSpec, list[Parameter], Array | None]:
-    """Return a run and its parameters at `keys`; see `compute_sensitivities`.
+) -> tuple[RunSpec, list[Parameter], Sequence[str], Array | None]:
+    """Return a run, its parameters, and the keys that they are of; see `compute_sensitivities`.
 
     Many design parameters are replaced by fewer that change the packages in all ways that they do
     (`combined`); then the last is (fewer, keys): what a parameter has of each.
     """
-    if not keys:
-        raise InputError("--of: expected at least one key of a number, such as gravity.2")
     if twice := {key for key in keys if list(keys).count(key) > 1}:
         raise InputError(f"--of {few(twice)}: given twice")
     dotted = [key for key in keys if "." in key]
     case, members = with_parameters(table, file, run, dotted, coarse=coarse)
-    known = design_keys(table)
+    design = case.top.design.parameters if case.top.design else {}
+    known = [name for name, parameter in design.items() if parameter.kind != "choice"]
+    keys = keys or known
+    if not keys:
+        raise InputError("--of: expected at least one key of a number, such as gravity.2")
     designed, shares = [key for key in keys if key in known], None
     if designed:
         spec, of_design = _of_design(table, file, run, designed, build, coarse=coarse)
@@ -76,7 +67,7 @@ def asked_of(
     parameters = [*numbers, *of_design, *(design_parameter(spec, name, known) for name in names)]
     if shares is None:
         parameters.sort(key=lambda parameter: keys.index(parameter.name))
-    return spec, parameters, shares
+    return spec, parameters, keys, shares
 
 
 def _of_design(

@@ -18,7 +18,7 @@ from ...results import Derivative, RunResult, Summary
 from ...run.outcome import collect
 from ...run.preparation import integrated, prepare
 from ..sensitivities.differentiated_run import Trace, with_sensitivities
-from .asked import asked_of, design_keys
+from .asked import asked_of
 from .exact import Traced, by_adjoint
 from .measures import Made, measure_of
 
@@ -51,8 +51,8 @@ def compute_sensitivities(
         A mistake in the case; a key that is none of a number of the mechanism; what has no
         derivative.
     """
-    keys = keys or design_keys(table)
-    spec, parameters, shares = asked_of(table, file, run, keys, build, packages, coarse=coarse)
+    asked = asked_of(table, file, run, keys, build, packages, coarse=coarse)
+    spec, parameters, keys, shares = asked
     result, summary = with_sensitivities(spec, parameters, progress=progress)
     if shares is None:
         return result, summary
@@ -95,8 +95,8 @@ def compute_gradient(
     measure = measure_of(quantity)
     if not measure.runs:
         raise InputError(f"objective: {quantity.words()}: expected a signal, strength or energy")
-    keys = keys or design_keys(table)
-    spec, parameters, shares = asked_of(table, file, run, keys, build, packages, coarse=coarse)
+    asked = asked_of(table, file, run, keys, build, packages, coarse=coarse)
+    spec, parameters, keys, shares = asked
     refuse(unknown_subject("objective", quantity, spec.mechanism))
     prepared = prepare(spec.mechanism, spec.packages)
     if quantity.subject == "signal" and quantity.name not in prepared.measured:
