@@ -162,7 +162,7 @@ def _check_membership(groups: Mapping[str, Sequence[int]], where: str) -> None:
 def check_mesh(points: Array, tags: IntArray, corners: IntArray, where: str) -> None:
     """Raise MeshError for a coordinate that is not finite, and for cells that are there twice.
 
-    DOLFINx crashes of these, or never ends. `tags` are the numbers of the nodes in the file.
+    With these, DOLFINx crashes or never ends. `tags` are the numbers of the nodes in the file.
     """
     wrong = np.flatnonzero(~np.isfinite(points).all(axis=1))
     if wrong.size:

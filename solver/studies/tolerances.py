@@ -51,7 +51,7 @@ NO_COST = 1e-9
 # of the largest term.
 STEP = 3e-8
 
-# Of this step: the least one, at a bend of a force. An end of a step this near a bend is at it.
+# Least part of this step, near a bend of a force. A step that ends this near a bend ends at it.
 # Test: tests/verification/test_sensitivities.py::test_a_ball_dropped_on_a_hard_stop
 LEAST_STEP = 1e-2
 

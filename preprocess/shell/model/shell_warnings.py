@@ -101,7 +101,7 @@ def _unmerged(mesh: ShellMesh, links: Sequence[Link]) -> Warnings:
     return coded(
         "several-parts",
         f"parts of the shell touch in {hinges.size} single nodes, one at "
-        f"{_at(mesh.points_G[hinges[0]])}, which hardly hold a part against turning: answers "
+        f"{_at(mesh.points_G[hinges[0]])}, which hardly hold a part against turning: results "
         "depend on the mesh. Parts must share sides of cells, or be joined by a link",
     )
 

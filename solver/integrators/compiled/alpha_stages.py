@@ -377,9 +377,10 @@ def driving_power(model: Model, work: Workspace) -> float:
 
 @inlined
 def bent_work(workspace: AlphaWorkspace, h: float, power: float) -> float:
-    """Return the work of a parabola over that of the trapezoidal rule [J].
+    """Return the work by a parabola of the power, less that by the trapezoidal rule [J].
 
-    Through the powers of this step and the last one; without a last one, through its middle.
+    The parabola goes through the ends of this step and the beginning of the last one; without a
+    last one, through the middle of this step.
 
     Parameters
     ----------

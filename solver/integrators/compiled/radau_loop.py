@@ -226,8 +226,8 @@ def _solve_stages(
         known = not unpredicted or iteration != 2 or size < tolerance
         if converged or (known and rate < 1.0 and rate / (1.0 - rate) * size < tolerance):
             counts[TROUBLE], clock[RATE] = NONE, rate
-        # The error of multipliers has one sign for a drive that turns on and on: its work is the
-        # sum over all steps. Closed joints correct the motion, not the work.
+        # For a drive at constant speed the error of the multipliers has the same sign in all steps:
+        # errors of its work add up. Closing the joints corrects the motion, not the work.
         summed = work * workspace.weight[workspace.y.shape[0] - 1] * (1.0 + counts[STEPS])
         if counts[TROUBLE] == NONE and not 1.0 < summed < work_last:
             return iteration

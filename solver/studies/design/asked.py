@@ -1,5 +1,5 @@
-"""The parameters that derivatives of a run are asked for by: numbers of its case, parameters of its
-`[design]`, and those by which its packages have derivatives."""
+"""Parameters by which a run is differentiated: numbers of its case, parameters of its `[design]`,
+and those by which its packages have derivatives."""
 
 import shutil
 from collections.abc import Sequence

@@ -51,7 +51,7 @@ def main(folder: str) -> int:
 def _end_with(channel: socket.socket) -> None:
     """End the process when the importer has ended, in the middle of a step as well."""
     watched = select.poll()
-    watched.register(channel, 0)  # of a channel that is closed poll() tells always
+    watched.register(channel, 0)  # poll() always reports a closed channel
     watched.poll()
     os._exit(0)
 
