@@ -22,7 +22,7 @@ from .space.numbering import Restriction
 from .space.section_cells import within
 from .space.space import AT_A_TIME, SectionSpace
 from .space.strains import coefficients, twisted_strain_in_section, volume
-from .warping import motions_of_beam, pinned_dofs
+from .warping import check_origin, motions_of_beam, pinned_dofs
 
 
 class TwistedStrains:
@@ -399,6 +399,7 @@ def _solution(equations: Equations, W: Array, S_e: Array) -> CentralSolutions:
     S = strains.work(stress, strain)
     K = np.linalg.inv(0.5 * (S + S.T))
     K = 0.5 * (K + K.T)
+    check_origin(strains.space, K)
     if not is_positive_definite(K):
         raise SectionError("the stiffness of the section is not positive definite")
     norm = np.abs(strains.load_in_section(np.abs(stress))).max()

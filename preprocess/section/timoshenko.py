@@ -19,7 +19,7 @@ import scipy.sparse as sp
 from ...solver.math.arrays import Array, is_positive_definite
 from .section_specification import IllConditioned, SectionError
 from .space.space import SectionSpace
-from .warping import WarpingSolver, motions_of_beam
+from .warping import WarpingSolver, check_origin, motions_of_beam
 
 CLASSICAL = np.array([0, 3, 4, 5])  # extension, twist, bend2, bend3
 SHEAR = np.array([1, 2])
@@ -169,8 +169,10 @@ def stiffness(
     solver.factorise(E)
     if is_enough is not None and not is_enough(solver.measured_growth()):
         raise IllConditioned
+    check_origin(space, solver.rigid_gram)
     state = classical_warping(space, solver, C, beam_strain_fields(space))
     A = classical_stiffness(space, state)
+    check_origin(space, A)
     # B = V0' H V0 + Psi' L V0: the classical strains with their change along the beam
     B = space.work(state.strain, state.change_stress)
     G_inverse, T, V1 = shear_compliance(space, solver, state, A, B)

@@ -39,7 +39,9 @@ def run_optimise(options: argparse.Namespace) -> int:
                 given, lambda: executor_of(options), fresh=options.fresh, show=not options.quiet
             )
         except KeyboardInterrupt:
-            message = "interrupted: designs that were computed are kept; the same command continues"
+            message = (
+                "interrupted: the same command continues from the designs computed so far, if any"
+            )
             print(f"{name}: {message}", file=sys.stderr)
             return INTERRUPTED
     if options.json:

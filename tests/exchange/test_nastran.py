@@ -141,11 +141,12 @@ def test_op4_of_any_writer(tmp_path: Path, sparse: bool, big: bool) -> None:
         read_op4(file)
 
 
-@pytest.mark.parametrize("place", [4, 8])  # of the columns and the rows in the first record
-def test_op4_of_absurd_size_takes_no_memory(tmp_path: Path, place: int) -> None:
+# of the columns and the rows in the first record
+@pytest.mark.parametrize(("place", "count"), [(4, 2**31 - 1), (8, 2**31 - 1), (4, -(2**31) + 1)])
+def test_op4_of_absurd_size_takes_no_memory(tmp_path: Path, place: int, count: int) -> None:
     file = tmp_path / "a.op4"
     data = bytearray(op4_bytes(np.eye(3), "KGG", sparse=True))
-    data[place : place + 4] = np.array([2**31 - 1], "<i4").tobytes()
+    data[place : place + 4] = np.array([count], "<i4").tobytes()
     file.write_bytes(data)
     with pytest.raises(InputError, match=r"a\.op4: matrix KGG: .*2147483647.* file of \d+ bytes"):
         read_op4(file)

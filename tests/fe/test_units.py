@@ -74,8 +74,10 @@ def of_shell(
 
 def test_shells(tmp_path: Path) -> None:
     assert of_shell(tmp_path, 1.0, 2e-3) == of_shell(tmp_path, 1.0, 1e-3, CARBON, 8) == []
-    assert of_shell(tmp_path, 1.0, 2.0) == ["size-units"]  # mm for m: thicker than long
-    assert of_shell(tmp_path, 1e3, 2.0) == ["size-units"]  # by its mass
+    assert of_shell(tmp_path, 1.0, 0.4) == ["size-units"]  # thicker than long
+    assert of_shell(tmp_path, 2e3, 0.4) == ["size-units"]  # by its mass
+    assert of_shell(tmp_path, 100.0, 2.0) == ["size-units"]  # a small sheet, by its thickness
+    assert of_shell(tmp_path, 100.0, 2.0, METAL | {"E": 30e9}) == []  # a dam of concrete
     assert of_shell(tmp_path, 1e3, 1.0, CARBON, 8) == ["size-units"]  # by its plies
     assert of_shell(tmp_path, 1.0, 2.0, allow=["size-units"]) == []
     assert of_shell(tmp_path, 1.0, 2e-3, METAL | {"E": 70.0, "rho": 2.7}) == ["material-units"]

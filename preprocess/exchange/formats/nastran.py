@@ -144,7 +144,8 @@ def read_op4(path: Path) -> dict[str, sp.csr_matrix]:
         name = record[16:24].decode("ascii", "replace").strip()
         if kind not in DOUBLE:
             raise InputError(f"{path}: matrix {name} has the type {kind}: expected a real one")
-        if not max(abs(rows), columns) <= len(data):  # every row of a body has a number
+        # every row of a body has a number
+        if not 0 < columns <= len(data) or abs(rows) > len(data):
             raise InputError(
                 f"{path}: matrix {name}: {abs(rows)} x {columns} in a file of {len(data)} bytes: "
                 "expected a matrix with at least one number in each row"

@@ -112,7 +112,8 @@ class DiskFile(io.FileIO):
         with contextlib.suppress(OSError, AttributeError):
             import shutil  # not for a command that writes well
 
-            message += f", {shutil.disk_usage(self.path.parent).free} are free"
+            free = shutil.disk_usage(self.path.parent).free + self.path.stat().st_size
+            message += f", {free} are free"
         raise OSError(code, message, str(self.path)) from self._error
 
 

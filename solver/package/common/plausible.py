@@ -32,6 +32,8 @@ MIXED = 1e-7
 # Plies of fibres [m]: spread tows from 1e-5; a layer of a blade's spar cap has up to 0.1.
 THINNEST_PLY, THICKEST_PLY = 1e-6, 0.1
 FIBRES = 2.0  # E1 over E2 and E3 of a ply with fibres
+# Sheet of a metal [m]: vessels of reactors 0.4. Walls of concrete and stone have up to 60 GPa.
+METAL, THICKEST_SHEET = 60e9, 0.5
 # Size [m] and mass per length [kg/m] of a section: a road bridge has 40 m and 30e3 kg/m, the tower
 # and monopile of a wind turbine 10 m and 25e3 kg/m. With mm for m, a bar of 20 by 2 mm has 6e4.
 LARGEST_SECTION, HEAVIEST_SECTION = 50.0, 5e4
@@ -106,14 +108,14 @@ def described_doubts(spec: Mapping[str, Any]) -> Iterator[Doubt]:
     yield from material_doubts(materials)
     for key in ("laminates", "regions"):
         for name, table in spec.get(key, {}).items():
-            for i, ply in enumerate(table.get("plies", ())):
+            for i, ply in enumerate(table.get("plies", [table])):
                 thickness = ply.get("thickness")
-                if thickness is None or not _has_fibres(materials.get(ply["material"])):
-                    continue
-                if not THINNEST_PLY <= thickness <= THICKEST_PLY:
+                limits = _thicknesses(materials.get(ply.get("material")))
+                if thickness is not None and not limits[0] <= thickness <= limits[1]:
                     text = (
-                        f"{key}.{name}.plies[{i}] is {thickness:.4g} m thick (expected "
-                        f"{THINNEST_PLY:g} to {THICKEST_PLY:g}): is it in m, not in mm?"
+                        f"{key}.{name}{f'.plies[{i}]' if 'plies' in table else ''} is "
+                        f"{thickness:.4g} m thick (expected {limits[0]:g} to {limits[1]:g}): is it "
+                        "in m, not in mm?"
                     )
                     yield Doubt(SIZE, text, thickness)
                     break
@@ -242,10 +244,14 @@ def not_allowed(spec: Mapping[str, Any], doubts: Iterable[Doubt]) -> list[Doubt]
     return [doubt for doubt in doubts if doubt.code not in spec.get("allow", ())]
 
 
-def _has_fibres(material: Any) -> bool:
-    if not isinstance(material, Mapping) or "E1" not in material:
-        return False
-    return bool(material["E1"] > FIBRES * max(material["E2"], material["E3"]))
+def _thicknesses(material: Any) -> tuple[float, float]:
+    """Thinnest and thickest layer of a material [m]."""
+    if isinstance(material, Mapping) and "E1" in material:
+        if material["E1"] > FIBRES * max(material["E2"], material["E3"]):
+            return THINNEST_PLY, THICKEST_PLY
+    elif isinstance(material, Mapping) and material.get("E", 0.0) > METAL:
+        return 0.0, THICKEST_SHEET
+    return 0.0, float("inf")
 
 
 def _numbers(material: Any) -> tuple[float, float, float] | None:

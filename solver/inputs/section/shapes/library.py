@@ -19,6 +19,8 @@ SHAPES = by_name(
     [(s.name, s) for s in sorted(_found, key=lambda shape: (shape.order, shape.name))], "shape"
 )
 
+THINNEST = 5e-7  # of the largest size; gmsh merges points at 1e-8 of the size of a script
+
 
 def shape(name: str) -> Shape:
     """Return the shape with this name; raises InputError with the nearest known name."""
@@ -67,5 +69,16 @@ def expand(name: str, values: Mapping[str, Any], layers: Layers | None = None) -
                 f"regions.{region}: the shape has no such region, expected "
                 f"{', '.join(regions)}{did_you_mean(region, regions)}"
             )
+    sizes = [
+        (min(v) if isinstance(v, list) else v, k)
+        for k, v in given.items()
+        if keys[k].unit == "m" and keys[k].above == 0.0
+    ]
+    (least, thin), (most, wide) = min(sizes, default=(1.0, "")), max(sizes, default=(1.0, ""))
+    if least < THINNEST * most:
+        raise InputError(
+            f"{thin} = {least:g}: expected at least {THINNEST:g} of {wide} = {most:g} [m], below "
+            "which gmsh takes points for one: are both in the same unit?"
+        )
     plies = {region: list((layers or {}).get(region, ())) or [1.0] for region in regions}
     return {**shape(name).mesh(table, plies), "script": shape(name).script}
