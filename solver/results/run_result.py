@@ -11,7 +11,6 @@ modal coordinates alone; no field is stored for each time.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
 from functools import cached_property, partial
 from typing import Annotated, Any
 
@@ -19,6 +18,7 @@ import numpy as np
 
 from ..errors import InputError
 from ..math.arrays import Array, IntArray
+from ..math.records import dataclass, field
 from ..package.common.dataset import Data, Nested
 
 

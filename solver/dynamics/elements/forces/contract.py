@@ -32,7 +32,6 @@ rows(one, two, parameters, rows) -> None
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
 from typing import Any, ClassVar, NamedTuple
 
 from ....math.arrays import Array, Triple
@@ -47,6 +46,7 @@ from ....math.catalogue import (
     Three,
     argument_names,
 )
+from ....math.records import dataclass, field
 from ...model.motion import DAMPING, FORCE, N_ELEMENT_ROW, STIFFNESS
 
 Key = Direction | Number | Three | OfTime
