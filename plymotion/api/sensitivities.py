@@ -93,12 +93,12 @@ class Sensitivities:
         )
 
     def write(self, folder: str | Path) -> list[Path]:
-        """Write result.vtkhdf, with /sensitivities, and summary.json; return them.
+        """Write result.vtkhdf, with /sensitivities, summary.json and report.html; return them.
 
         >>> import plymotion as pm
         >>> found = pm.sensitivities("pendulum.toml", of=["gravity.2"])
         >>> [file.name for file in found.write("build/sensitivities")]
-        ['result.vtkhdf', 'summary.json']
+        ['result.vtkhdf', 'summary.json', 'report.html']
         """
         with named(folder):
             names = write_sensitivities(Path(folder), self.data, self.summary)

@@ -412,6 +412,9 @@ class ShellDescription(Table):
         "bound of the lowest frequency, or of load factor or work of the one load case, over "
         "all angles of the plies, also with `--bound`; absent: none"
     )
+    bound_angles_deg: list[float] | None = optional(
+        "with a bound: also the best lay-up of plies at these angles", "deg", min_length=1
+    )
 
     @model_validator(mode="after")
     def _something_to_do(self) -> Self:
@@ -434,6 +437,8 @@ class ShellDescription(Table):
             raise ValueError("buckling without loads: expected at least one [loads.CASE.NAME]")
         if self.bound in ("buckling", "compliance") and not self.loads:
             raise ValueError(f'bound = "{self.bound}" without loads: expected [loads.CASE.NAME]')
+        if self.bound_angles_deg and not self.bound:
+            raise ValueError("bound_angles_deg without bound: expected bound, or --bound")
         if self.loads and not self.supports:
             raise ValueError("loads without supports: expected at least one table [supports.NAME]")
         return self

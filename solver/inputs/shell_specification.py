@@ -89,7 +89,8 @@ def shell_spec(table: Mapping[str, Any], file: Path) -> dict[str, Any]:
     refuse(f"{file}: {problem}" for problem in problems)
     laminates, regions = _regions(description)
     used = {ply["material"] for laminate in laminates.values() for ply in laminate["plies"]}
-    asked = {"elements", "links", "loads", "probes", "frequencies", "buckling", "bound"}
+    asked = {"elements", "links", "loads", "probes", "frequencies", "buckling"}
+    asked |= {"bound", "bound_angles_deg"}
     spec = {
         "name": file.stem,
         "title": description.title,

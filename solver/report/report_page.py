@@ -4,14 +4,18 @@ import hashlib
 import importlib.metadata
 import json
 from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import replace
 from functools import cache
 from html import escape
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from ..errors import InputError
 from ..math.disk_cache import file_sha256, sources_sha256
 from ..package.common.files import kept_table, write_text
+from ..results import RunResult, Signal
 from ..system.interrupts import ignore, shielded
 from ..system.platform import cores, processes
 from .bodies import fatigue_section, masses_section, modes_section, strength_section, worst
@@ -44,6 +48,7 @@ def view(left_out: list[str]) -> str:
 
 
 LIMIT = 2_900_000  # bytes of a page that can be mailed
+LINES = 8  # of a plot of sensitivities
 
 
 def page(
@@ -73,7 +78,13 @@ def page(
         "runs": runs,
         "figures": [c._asdict() for c in comparisons],
     }
-    before = [_header(title, stories), "<main>"]
+    before = [
+        _header(title, banner(stories)),
+        "<noscript><p>Plots and animation need JavaScript. The tables below are complete; "
+        "<code>plymotion report FOLDER --figures</code> draws the plots as PNG files.</p>"
+        "</noscript>",
+        "<main>",
+    ]
     after = [
         section("plots", "Plots", "<div id='plot-list'></div>"),
         strength_section(stories),
@@ -91,19 +102,59 @@ def page(
     ]
 
     def whole(moving: str) -> str:
-        arrays = json_for_script(index | {"arrays": blob.index})
-        return document(
-            title,
-            "\n".join([*before, moving, *after])
-            + f"<script type='application/json' id='index'>{arrays}</script>"
-            + f"<script type='text/plain' id='arrays'>{blob.text()}</script>"
-            + f"<script>{script()}</script>",
-            reload_s,
-        )
+        return _with_data(title, [*before, moving, *after], index, blob, reload_s)
 
     still = len(whole(view([story.title for story in stories])).encode("utf-8"))
     left_out = _animate(blob, stories, runs, LIMIT - still)
     return whole(view(left_out) if any(run["scene"] for run in runs) else "")
+
+
+def _with_data(
+    title: str, body: Sequence[str], index: Mapping[str, object], blob: Blob, reload_s: int = 0
+) -> str:
+    arrays = json_for_script({**index, "arrays": blob.index})
+    return document(
+        title,
+        "\n".join(body)
+        + f"<script type='application/json' id='index'>{arrays}</script>"
+        + f"<script type='text/plain' id='arrays'>{blob.text()}</script>"
+        + f"<script>{script()}</script>",
+        reload_s,
+    )
+
+
+def sensitivity_page(result: RunResult) -> str:
+    """Return a page with a plot for each signal: value times derivative over time, by parameter.
+
+    Parameters
+    ----------
+    result : with derivatives by parameters; of a parameter that is 0 the derivative itself is shown
+    """
+    lines: dict[str, list[Signal]] = {}
+    figures = []
+    for signal in result.signals:
+        own = [
+            (float(np.nanmean(values**2)), one.parameter, values)
+            for one in result.sensitivities
+            if one.signal == signal.name
+            for values in [one.values * (one.value or 1.0)]
+        ]
+        most = sorted(own, key=lambda line: -line[0])[:LINES]
+        for _, key, values in most:
+            lines.setdefault(key, []).append(replace(signal, values=values))
+        if most:
+            shown = {"title": signal.description or signal.name, "signal": signal.name}
+            figures.append({**shown, "runs": [key for _, key, _ in most]})
+    blob, title = Blob(), f"{result.case}, {result.run}: sensitivities"
+    runs = [
+        {"name": key, "title": key, "stopped": False, "scene": None, "worst": []}
+        | histories(blob, replace(result, signals=tuple(own)), HISTORIES // len(lines))
+        for key, own in lines.items()
+    ]
+    words = f"<p>Value times derivative of each signal, the {LINES} most effective parameters</p>"
+    plots = section("plots", "Plots", "<div id='plot-list'></div>")
+    index = {"title": title, "case": result.case, "runs": runs, "figures": figures}
+    return _with_data(title, [_header(title, words), "<main>", plots, "</main>"], index, blob)
 
 
 def _animate(
@@ -126,14 +177,11 @@ def _animate(
     return []
 
 
-def _header(title: str, stories: list[Story]) -> str:
+def _header(title: str, words: str) -> str:
     return (
-        f"<header><div><h1>{escape(title)}</h1>{banner(stories)}</div>"
+        f"<header><div><h1>{escape(title)}</h1>{words}</div>"
         "<div class='tools'><button type='button' id='theme'>dark</button>"
-        "<button type='button' id='print'>print</button></div>"
-        "<noscript><p>Plots and animation need JavaScript. The tables below are complete; "
-        "<code>plymotion report FOLDER --figures</code> draws the plots as PNG files.</p>"
-        "</noscript></header>"
+        "<button type='button' id='print'>print</button></div></header>"
     )
 
 

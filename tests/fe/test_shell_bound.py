@@ -23,6 +23,7 @@ from plymotion.preprocess.shell.shell_cells import ShellError
 pytestmark = pytest.mark.one_end
 H = 1e-3
 QUADS = {"element": "quadrilateral"}
+STEPS = [0, 45, -45, 90]
 # Graphite-epoxy of Narita (J. Sound Vib. 263, 2003), and that of Le Riche and Haftka (AIAA J. 31,
 # 1993) on their plate of 20 in by 5 in, of 48 plies of 0.005 in.
 NARITA = {"E1": 138e9, "E2": 8.96e9, "G12": 7.1e9}
@@ -101,7 +102,8 @@ def ritz_square(angles: Any, n: int = 14) -> float:
 def test_the_square_of_narita() -> None:
     """The limit of finer meshes is the closed form at xi = (0, -1); the search finds his lay-up."""
     exact = np.sqrt(np.pi**4 * bending(NARITA, H, (0.0, -1.0)) @ [1, 2, 1] / (1500.0 * H))
-    found = [analyse({**square(n, [0, 90, 0, 90]), "bound": "frequency"}) for n in (8, 16)]
+    spec = {"bound": "frequency", "bound_angles_deg": STEPS}
+    found = [analyse({**square(n, [0, 90, 0, 90]), **spec}) for n in (8, 16)]
     coarse, fine = (each.provenance["bound"] for each in found)
     errors = [2.0 * np.pi * each["bound"] / exact - 1.0 for each in (coarse, fine)]
     assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.1)
@@ -111,6 +113,10 @@ def test_the_square_of_narita() -> None:
     angles = np.array(fine["found_angles_deg"])
     assert np.abs(angles * np.sign(angles[0])) == pytest.approx(45.0, abs=1.0)
     assert (np.sign(angles[1:7]) == -np.sign(angles[0])).all()
+    best = fine["of_angles"]
+    assert abs(np.array(best["angles_deg"]) @ [1, -1, -1, -1, -1, -1, -1, 1]) == 8 * 45.0
+    assert (best["gap"], best["lay_ups"]) == (pytest.approx(0.0, abs=1e-4), 256)
+    assert best["branches"] <= 24
     # Its frequency by Ritz's method, which falls to 56.32, and by the limit of meshes.
     ritz, unit = ritz_square([45.0, -45.0, -45.0, -45.0]), np.sqrt(1500.0 * H / D0)
     limit = (4.0 * fine["found"] - coarse["found"]) / 3.0
@@ -120,7 +126,7 @@ def test_the_square_of_narita() -> None:
 
 def test_narita_s_lay_up_is_the_best_of_steps_of_45_degrees() -> None:
     """Every lay-up of eight symmetric plies of 0, 45, -45 and 90 degrees, by Ritz's method."""
-    tried = {a: ritz_square(a, 6) for a in itertools.product((0, 45, -45, 90), repeat=4)}
+    tried = {a: ritz_square(a, 6) for a in itertools.product(STEPS, repeat=4)}
     best, *others = sorted(tried, key=lambda a: -tried[a])
     assert {best, others[0]} == {(45, -45, -45, -45), (-45, 45, 45, 45)}
     assert tried[others[1]] < 0.999 * tried[best]
@@ -160,8 +166,13 @@ def test_the_panel_of_le_riche_and_haftka() -> None:
     grid = [(c, 2.0 * c * c - 1.0 + s * (2.0 - 2.0 * c * c)) for c in np.linspace(-1, 1, 81)
             for s in np.linspace(0, 1, 41)]  # fmt: skip
     exact = max(map(factor, grid))
-    found = bounded(spec, "buckling")
+    found = bounded({**spec, "bound_angles_deg": STEPS}, "buckling")
     assert found["bound"] == pytest.approx(exact, rel=2e-3)
+    best = found["of_angles"]
+    assert 0.95 * exact < best["best"] < exact
+    assert best["gap"] < 1e-4
+    assert best["lay_ups"] == 4**24
+    assert best["branches"] <= 200
     assert found["found_gap"] < 2e-3
     assert found["gap"] > 0.02
 
@@ -205,6 +216,40 @@ def test_no_random_lay_up_is_better(of: str, cells: dict[str, str]) -> None:
         values.append(sign * quantity.shown(float(quantity.modes(other.K)[0][0])))
     values.append(sign * found["value"])
     assert max(values) <= sign * found["found"] <= sign * found["bound"]
+
+
+def clamped_square() -> dict[str, Any]:
+    """A square of six plies, clamped at two edges and free at one."""
+    spec = square(4, [0, 0, 0])
+    fixed = {name: {"at": name, "fixed": "all"} for name in ("left", "bottom")}
+    return {**spec, "supports": {**fixed, "right": HARD["right"]}}
+
+
+def thin_panel() -> dict[str, Any]:
+    """The curved panel with three plies, of quadrilaterals."""
+    spec = panel(QUADS, offset=0.002)
+    del spec["laminates"]["wall"]["plies"][3]
+    return spec
+
+
+@pytest.mark.parametrize(
+    ("spec", "of"), [(clamped_square(), "frequency"), (thin_panel(), "compliance")]
+)
+def test_branch_and_bound_finds_the_best_of_all_lay_ups(spec: dict[str, Any], of: str) -> None:
+    problem = ShellProblem(
+        {**spec, "bound_angles_deg": [0, 45, -45] if of == "frequency" else [0, 45, 90]}
+    )
+    modes = QUANTITIES[of](stressed(problem), "").modes
+    found = bound(stressed(problem), of, lambda _line: None)["of_angles"]
+    values = []
+    for a in itertools.product(found["allowed_deg"], repeat=3):
+        angles = [*a, *(a[::-1] if of == "frequency" else ())]
+        values.append(float(modes(turned(problem, dict(enumerate(angles))).K)[0][0]))
+    best = (2.0 * np.pi * found["best"]) ** 2 if of == "frequency" else 1.0 / found["best"]
+    assert best == pytest.approx(max(values), rel=1e-9)
+    assert found["lay_ups"] == len(values)
+    assert found["branches"] < len(values)
+    assert found["gap"] < 1e-4
 
 
 LOADS = {name: {"p": {"at": "plate", "force_per_area": [0.0, 0.0, 1.0]}} for name in ("q", "r")}

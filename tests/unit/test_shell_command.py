@@ -143,6 +143,8 @@ def test_bound_in_words() -> None:
         "of": "compliance", "case": "q", "unit": "J", "symmetric": True, "bound": 2.0,
         "value": 2.5, "gap": 0.25, "found": 2.1, "found_gap": 0.05,
         "found_gap_without_shear": 0.002, "found_angles_deg": [45.0, -45.0, -45.0, 45.0],
+        "of_angles": {"allowed_deg": [0.0, 45.0, 90.0], "best": 2.2, "gap": 1e-5, "lay_ups": 9,
+                      "angles_deg": [45.0, 0.0, 0.0, 45.0], "branches": 6, "computed": 2},
     }  # fmt: skip
     shell = plate()
     shell = dataclasses.replace(shell, provenance={**shell.provenance, "bound": found})
@@ -151,6 +153,8 @@ def test_bound_in_words() -> None:
     assert lines[at + 1] == "this one 2.5 J, at most 25 % above any there is"
     rest = "best found 2.1 J, at most 5 % above (without transverse shear 0.2 %): [45/-45]s"
     assert lines[at + 2] == rest
+    assert lines[at + 3] == "best of 0, 45, 90 deg 2.2 J, at most 0.001 % above: [45/0]s"
+    assert lines[at + 4] == "6 branches, 2 of 9 lay-ups computed"
     assert shell_json(shell)["bound"] == found
 
 

@@ -1,5 +1,7 @@
 """Derivatives of runs: closed forms, six-point differences, refusals, the command and its file."""
 
+import json
+import re
 import shutil
 from dataclasses import replace
 
@@ -275,8 +277,13 @@ def test_the_command(tmp_path, monkeypatch, capsys):
         ("x", "bodies.rod.mass"),
     ]
     assert result.sensitivities[0].unit == "(m)/(m/s2)"
+    page = (folder / "report.html").read_text()
+    index = json.loads(re.search("id='index'>(.*?)</script>", page)[1])
+    assert [run["name"] for run in index["runs"]] == index["figures"][0]["runs"]
+    assert set(index["figures"][0]["runs"]) == {"gravity.2", "bodies.rod.mass"}
     assert main([*words, "--objective", '{ signal = "x", of = "rms" }']) == 0
     assert capsys.readouterr().out.startswith("signal x rms = ")
+    assert not (folder / "report.html").exists()
     assert main([*words, "--objective", '{ signal = "y", of = "rms" }']) == 2
     assert 'objective.signal = "y": no such signal' in capsys.readouterr().err
     text = (tmp_path / "case.toml").read_text()

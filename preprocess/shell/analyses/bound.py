@@ -26,173 +26,25 @@ from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 import numpy as np
-import scipy.linalg
 import scipy.sparse as sp
-from scipy.optimize import linprog
 
 from ....solver.math.arrays import Array
-from ...laminate.report import is_symmetric
-from ...laminate.stiffness import Laminate, moments
 from ..elements.membranes.opt import best_beta0
 from ..model.shell_problem import ShellProblem
 from ..model.shell_warnings import Progress, check_supported
 from ..shell_cells import ShellError
+from .branches import best_of_angles
 from .buckling import Buckling, Stressed
 from .cases import solve_cases
 from .frequencies import natural_modes
+from .mixtures import AGREED, MODES, Basis, Cuts, Plies
 from .modes import as_columns, free_or_held
 
-PATTERNS = np.array(  # of the plane stiffness of a ply, by harmonic
-    [
-        [[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 0.0]],
-        [[0.0, 0.0, 0.5], [0.0, 0.0, 0.5], [0.5, 0.5, 0.0]],
-        [[1.0, -1.0, 0.0], [-1.0, 1.0, 0.0], [0.0, 0.0, -1.0]],
-        [[0.0, 0.0, 1.0], [0.0, 0.0, -1.0], [1.0, -1.0, 0.0]],
-    ]
-)
-ROUNDING = 1e-9  # relative: a smaller parameter is a sum that cancels
 RIGID = 1e6  # transverse shear stiffness over the in-plane one
-MODES = 6  # of the whole shell, for each mixture; most cutting planes of one
-MOST_KEPT = 100  # cutting planes, those nearest to the best mixture
-CLOSE = 1.5  # times the lowest value: modes that give cutting planes
-AGREED, NEAR = 1e-5, 2e-4  # relative differences: of the linear program, of the basis
+NEAR = 2e-4  # relative difference of the basis
 MOST_CUTS, MOST_BASES, ROUNDS = 150, 15, 2  # iterations, and those of the search
-COARSE, FINE = np.arange(-90.0, 90.0, 5.0), np.arange(-90.0, 90.0, 0.05)  # [deg]
 TURNS = ([10.0 * k for k in range(1, 18)], [-5.0, 5.0], [-2.0, 2.0], [-1.0, 1.0])  # of the search
 SAME = 1e-6  # relative difference of resultants by rounding
-
-
-def harmonics(angles_deg: Array) -> Array:
-    """cos 2a, sin 2a, cos 4a, sin 4a of angles (...), (..., 4)."""
-    a = np.radians(2.0 * angles_deg)
-    return np.stack([np.cos(a), np.sin(a), np.cos(2.0 * a), np.sin(2.0 * a)], axis=-1)
-
-
-class Plies:
-    """Plies at any angle; mirrored ones of a symmetric laminate have the same.
-
-    Attributes
-    ----------
-    mean : A, B, D at p = 0, (3, 3, 3) [N/m, N, N m]
-    rows : plies of each angle
-    columns : (g, 12, 4) parameters p per harmonic of each angle, in the order A, B, D
-    """
-
-    def __init__(self, laminate: Laminate) -> None:
-        along = Laminate(tuple(ply._replace(angle_deg=0.0) for ply in laminate.plies)).plane
-        H, k = moments(laminate), len(laminate.plies)
-        self.symmetric = is_symmetric(laminate)
-        Q11, Q22, Q12, Q66 = along[:, 0, 0], along[:, 1, 1], along[:, 0, 1], along[:, 2, 2]
-        U2, U3 = 0.5 * (Q11 - Q22), 0.125 * (Q11 + Q22 - 2.0 * Q12 - 4.0 * Q66)
-        u = np.stack([U2, U2, U3, U3], axis=1)
-        at_zero = np.einsum("lh,hij->lij", u[:, ::2], PATTERNS[::2])
-        self.mean: Array = np.einsum("nl,lij->nij", H, along - at_zero)
-        own = np.einsum("nl,lh,hj->lnhj", H, u, np.eye(4)).reshape(k, 12, 4)
-        mirrored = [sorted({i, k - 1 - i}) for i in range((k + 1) // 2)]
-        rows = mirrored if self.symmetric else [[i] for i in range(k)]
-        columns = np.array([own[each].sum(axis=0) for each in rows])
-        size = np.repeat(np.abs(H).max(axis=1), 4)[:, None] * np.abs(along).max()
-        columns[np.abs(columns) < ROUNDING * size] = 0.0
-        kept = np.flatnonzero(np.abs(columns).max(axis=(1, 2)))  # the others have no direction
-        self.rows, self.columns = [rows[i] for i in kept], columns[kept]
-
-    def parameters(self, angles_deg: Array) -> Array:
-        """Parameters (12,) of a lay-up of angles (g,)."""
-        return np.asarray(np.einsum("gjh,gh->j", self.columns, harmonics(angles_deg)))
-
-    def stiffness(self, p: Array) -> Array:
-        """A, B, D of parameters (12,), (3, 3, 3)."""
-        return self.mean + np.einsum("nh,hij->nij", p.reshape(3, 4), PATTERNS)
-
-
-class Mixture(NamedTuple):
-    """The best mixture for some cutting planes: its parameters, the angles of its largest shares,
-    and a bound of lambda of all lay-ups."""
-
-    p: Array  # (12,)
-    angles_deg: Array  # (g,)
-    bound: float
-
-
-class Cuts:
-    """Linear functions c + q.p above lambda of all lay-ups."""
-
-    def __init__(self, plies: Plies) -> None:
-        self._columns, self._angles = plies.columns, COARSE
-        self._c, self._q = np.zeros(0), np.zeros((0, 12))
-
-    def add(self, c: Array, q: Array) -> None:
-        """More of them, (k,) and (k, 12)."""
-        self._c, self._q = np.concatenate([self._c, c]), np.concatenate([self._q, q])
-
-    def best(self) -> Mixture:
-        """The mixture whose least function is largest."""
-        scale = float(np.abs(self._c).max())
-        at = self._columns @ harmonics(self._angles).T
-        g, _, a = at.shape
-        values = np.einsum("ij,gja->iga", self._q / scale, at).reshape(-1, g * a)
-        optimum = linprog(
-            np.append(np.zeros(g * a), -1.0),
-            A_ub=np.c_[-values, np.ones(len(values))],
-            b_ub=self._c / scale,
-            A_eq=np.c_[np.kron(np.eye(g), np.ones(a)), np.zeros(g)],
-            b_eq=np.ones(g),
-            bounds=[(0.0, None)] * (g * a) + [(None, None)],
-        )
-        if optimum.status:
-            raise ShellError(f"bound: the linear program failed: {optimum.message}")
-        s = np.maximum(-optimum.ineqlin.marginals, 0.0)
-        s /= s.sum()
-        combined = np.einsum("i,ij,gjh->gh", s, self._q, self._columns)
-        values = combined @ harmonics(FINE).T
-        curvature = np.abs(combined) @ np.array([4.0, 4.0, 16.0, 16.0])
-        between = 0.5 * curvature * np.radians(0.5 * (FINE[1] - FINE[0])) ** 2
-        shares = optimum.x[:-1].reshape(g, a)
-        mixture = Mixture(
-            np.einsum("gja,ga->j", at, shares),
-            self._angles[shares.argmax(axis=1)],
-            float(s @ self._c + (values.max(axis=1) + between).sum()),
-        )
-        used = self._angles[(shares > ROUNDING).any(axis=0)]
-        self._angles = np.unique(np.concatenate([COARSE, used, FINE[values.argmax(axis=1)]]))
-        near = np.argsort(self._c + self._q @ mixture.p)[:MOST_KEPT]
-        self._c, self._q = self._c[near], self._q[near]
-        return mixture
-
-
-class Basis:
-    """The shell in a basis of modes X (n_dof, m), linearised about a mixture.
-
-    Parameters
-    ----------
-    p, K, slopes : the mixture, its stiffness and the derivatives of that by some parameters
-    W : (m, m) X'W X
-    """
-
-    def __init__(
-        self, X: Array, W: Array, p: Array, K: sp.csr_matrix, slopes: dict[int, sp.csr_matrix]
-    ) -> None:
-        size, axes = scipy.linalg.eigh(X.T @ (K @ X))
-        kept = size > ROUNDING * size[-1]
-        T = axes[:, kept] / np.sqrt(size[kept])
-        X = X @ T
-        self._G = np.zeros((12, *T.shape[1:], *T.shape[1:]))
-        for j, slope in slopes.items():
-            self._G[j] = X.T @ (slope @ X)
-        self._W, self._K = T.T @ W @ T, np.eye(T.shape[1]) - np.tensordot(p, self._G, 1)
-
-    def value(self, p: Array) -> float:
-        """Lambda of parameters (12,)."""
-        last = [len(self._W) - 1] * 2
-        K = self._K + np.tensordot(p, self._G, 1)
-        return float(1.0 / scipy.linalg.eigvalsh(self._W, K, subset_by_index=last)[0])
-
-    def cuts(self, p: Array) -> tuple[Array, Array]:
-        """Functions c + q.p, (k,) and (k, 12), of the lowest modes at parameters p."""
-        mu, Y = scipy.linalg.eigh(self._W, self._K + np.tensordot(p, self._G, 1))
-        Y = (Y / np.sqrt(np.abs(mu)))[:, mu > mu[-1] / CLOSE][:, -MODES:]
-        c = np.einsum("mi,mn,ni->i", Y, self._K, Y)
-        return c, np.einsum("mi,jmn,ni->ij", Y, self._G, Y, optimize=True)
 
 
 def searched(basis: Basis, plies: Plies, angles_deg: Array) -> Array:
@@ -208,7 +60,7 @@ def searched(basis: Basis, plies: Plies, angles_deg: Array) -> Array:
                 values = [basis.value(plies.parameters(each)) for each in tried]
                 if max(values) > most * (1.0 + AGREED):
                     best, most, better = tried[int(np.argmax(values))], max(values), True
-    return np.round(90.0 - (90.0 - best) % 180.0, 9)
+    return np.round(_turned(best), 9)
 
 
 class Quantity(NamedTuple):
@@ -395,17 +247,54 @@ def bound(stressed: Stressed, of: str, begin: Progress) -> dict[str, object]:
         X = np.c_[X, more]
         if values[0] > most:
             best, most = angles, float(values[0])
-    groups = zip(plies.rows, best, strict=True)
-    other = turned(problem, {row: angle for rows, angle in groups for row in rows})
+
+    def laid(angles_deg: Array) -> ShellProblem:
+        groups = zip(plies.rows, angles_deg, strict=True)
+        return turned(problem, {row: angle for rows, angle in groups for row in rows})
+
+    other = laid(best)
     reached = quantity.modes(other.K)[0]
     if reached[0] < value[0]:  # by transverse shear
         other, reached = problem, value
     gaps = {"gap": value[0], "found_gap": reached[0], "found_gap_without_shear": most}
     limit = quantity.shown(least)
+    discrete = None
+    if allowed_deg := problem.spec.get("bound_angles_deg"):
+        begin(f"best {of} of given angles")
+        allowed = np.unique(_turned(np.array(allowed_deg, dtype=float)))
+        apart = np.abs((best[:, None] - allowed + 90.0) % 180.0 - 90.0)
+        top = best_of_angles(
+            plies,
+            cuts,
+            lambda X: Basis(X, quantity.weighed(X), *linear),
+            lambda angles_deg: quantity.modes(laid(angles_deg).K),
+            X,
+            allowed,
+            allowed[apart.argmin(axis=1)],
+        )
+        discrete = {
+            "allowed_deg": allowed_deg,
+            "best": quantity.shown(top.value),
+            "gap": abs(quantity.shown(top.value) / quantity.shown(top.bound) - 1.0),
+            "angles_deg": _angles(laid(top.angles_deg)),
+            "lay_ups": len(allowed) ** len(plies.rows),
+            "branches": top.branches,
+            "computed": top.computed,
+        }
     return {
         **{"of": of, "case": quantity.case, "unit": quantity.unit, "symmetric": plies.symmetric},
         **{"bound": limit, "value": quantity.shown(float(value[0]))},
         "found": quantity.shown(float(reached[0])),
         **{key: abs(quantity.shown(float(v)) / limit - 1.0) for key, v in gaps.items()},
-        "found_angles_deg": [ply.angle_deg for ply in other.regions[0].laminate.laminate.plies],
+        "found_angles_deg": _angles(other),
+        "of_angles": discrete,
     }
+
+
+def _angles(problem: ShellProblem) -> list[float]:
+    return [ply.angle_deg for ply in problem.regions[0].laminate.laminate.plies]
+
+
+def _turned(angles_deg: Array) -> Array:
+    """The same directions, above -90 and up to 90 degrees."""
+    return 90.0 - (90.0 - angles_deg) % 180.0

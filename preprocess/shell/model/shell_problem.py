@@ -18,7 +18,7 @@ The specification may be written by hand:
  "frequencies": {"count": 6, "free": false, "prestress": "pull", "error": true},
  "buckling": {"count": 4, "cases": ["pull"], "constant": "weight", "in_plane": true,
               "error": true},
- "bound": "frequency"}
+ "bound": "frequency", "bound_angles_deg": [0.0, 45.0, -45.0, 90.0]}
 
 SI and degrees; docs/shell-description.md explains each key.
 """
@@ -70,7 +70,7 @@ TABLES = (
     "frequencies",
     "buckling",
 )
-OTHER = ("name", "title", "format", "allow", "bound")
+OTHER = ("name", "title", "format", "allow", "bound", "bound_angles_deg")
 REGION = (
     *("laminate", "material", "thickness", "offset", "shear_correction"),
     *("axis", "axis_curve", "axis_about", "flip"),

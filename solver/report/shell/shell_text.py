@@ -1,5 +1,8 @@
 """A shell file as text for the screen."""
 
+from collections.abc import Mapping, Sequence
+from typing import Any
+
 import numpy as np
 
 from ...math.arrays import Array, IntArray
@@ -261,8 +264,7 @@ def _bound(shell: ShellFile) -> list[str]:
     side, from_it = ("least", "above") if bound["of"] == "compliance" else ("most", "below")
     case = f" under {bound['case']}" if bound["case"] else ""
     kind = "symmetric lay-up" if bound["symmetric"] else "lay-up"
-    angles = [f"{angle:g}" for angle in bound["found_angles_deg"]]
-    other = short_stacking(angles, mirrored=angles == angles[::-1])
+    other = _lay_up(bound["found_angles_deg"])
     limit, own, best = (
         f"{bound[key]:.5g} {bound['unit']}".strip() for key in ("bound", "value", "found")
     )
@@ -273,8 +275,27 @@ def _bound(shell: ShellFile) -> list[str]:
         f"{'Bound':16}{bound['of']}{case}: at {side} {limit} for any {kind} of these plies",
         f"{'':16}this one {own}, at most {own_gap} {from_it} any there is",
         f"{'':16}best found {best}, at most {gap} {from_it} (without transverse shear {rigid}): "
-        f"{_short(other, 40)}",
+        f"{other}",
+        *_best_of_angles(bound, from_it),
     ]
+
+
+def _best_of_angles(bound: Mapping[str, Any], from_it: str) -> list[str]:
+    if (best := bound.get("of_angles")) is None:
+        return []
+    allowed = ", ".join(f"{angle:g}" for angle in best["allowed_deg"])
+    value = f"{best['best']:.5g} {bound['unit']}".strip()
+    return [
+        f"{'':16}best of {_short(allowed, 40)} deg {value}, at most {100.0 * best['gap']:.2g} % "
+        f"{from_it}: {_lay_up(best['angles_deg'])}",
+        f"{'':16}{best['branches']} branches, {best['computed']} of {best['lay_ups']} lay-ups "
+        "computed",
+    ]
+
+
+def _lay_up(angles_deg: Sequence[float]) -> str:
+    angles = [f"{angle:g}" for angle in angles_deg]
+    return _short(short_stacking(angles, mirrored=angles == angles[::-1]), 40)
 
 
 def _effort(shell: ShellFile) -> list[str]:

@@ -4,7 +4,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ...package.common.files import refuse_foreign
+from ...package.common.files import refuse_foreign, write_text
+from ...report.report_page import PAGE, sensitivity_page
 from ...report.table import aligned
 from ...results import Derivative, RunResult, Summary, write_result, write_summary
 
@@ -12,12 +13,16 @@ RESULT, SUMMARY = "result.vtkhdf", "summary.json"
 
 
 def write_sensitivities(folder: Path, result: RunResult, summary: Summary) -> list[str]:
-    """Write result.vtkhdf and summary.json into a folder; return their names."""
+    """Write result.vtkhdf, summary.json and, of signals, report.html; return their names."""
     refuse_foreign(folder / SUMMARY)
     folder.mkdir(parents=True, exist_ok=True)
     write_result(folder / RESULT, result)
     write_summary(folder / SUMMARY, summary)
-    return [RESULT, SUMMARY]
+    if not result.sensitivities:  # those of an objective
+        (folder / PAGE).unlink(missing_ok=True)
+        return [RESULT, SUMMARY]
+    write_text(folder / PAGE, sensitivity_page(result))
+    return [RESULT, SUMMARY, PAGE]
 
 
 def scaled(one: Derivative) -> tuple[float, float]:
