@@ -78,6 +78,12 @@ def test_errors_by_the_mesh_where_stresses_matter(plate: Path) -> None:
     assert "error" not in load_shell(plate)["frequencies"]
 
 
+def test_angles_are_those_of_a_bound(plate: Path) -> None:
+    plate.write_text(f"bound_angles_deg = [0, 90]\n{plate.read_text()}")
+    assert load_shell(plate, bound="frequency")["bound_angles_deg"] == [0.0, 90.0]
+    assert messages(plate) == ["bound_angles_deg without bound: expected bound, or --bound"]
+
+
 EXTREME = ["1.7e308", "-1.7e308", "1e200", "-1e31", "1e-320", "1e-308", "nan", "inf", "9" * 400]
 NUMBERS = {
     "materials.cfrp.E1": "E1 = {}",
