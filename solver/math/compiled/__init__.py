@@ -15,7 +15,6 @@ It is slow: every function is compiled again with each one that calls it.
 import json
 import logging
 import os
-import platform
 import re
 import sys
 import time
@@ -105,7 +104,6 @@ def environment() -> str:
         numba_version(),
         llvmlite.__version__,
         sys.version,
-        platform.machine(),
         llvm.get_default_triple(),
         llvm.get_host_cpu_name(),
         llvm.get_host_cpu_features().flatten(),

@@ -74,13 +74,11 @@ def content_of(function: Any) -> str:
     counts in full.
     """
     code, known = function.__code__, function.__globals__
-    texts = [_code(code, function.__doc__), repr(function.__defaults__)]
-    for name in sorted(_names(code)):
-        if name in known:
-            texts.append(f"{name}={_value(known[name], code)}")
-    for name, cell in zip(code.co_freevars, function.__closure__ or (), strict=True):
-        texts.append(f"{name}={_value(cell.cell_contents, code)}")
-    return digest(*texts)
+    read = {name: known[name] for name in sorted(_names(code) & known.keys())}
+    cells = zip(code.co_freevars, function.__closure__ or (), strict=True)
+    read |= {name: cell.cell_contents for name, cell in cells}
+    values = [(name, _value(value, code)) for name, value in read.items()]
+    return digest(repr((_code(code, function.__doc__), function.__defaults__, values)))
 
 
 def _names(code: CodeType) -> set[str]:
@@ -88,45 +86,42 @@ def _names(code: CodeType) -> set[str]:
     return set(code.co_names).union(*(_names(c) for c in inner))
 
 
-def _code(code: CodeType, words: str | None = None) -> str:
-    """Digest of code without its place in a file and its docstring `words`."""
-    constants = [_code(c) if isinstance(c, CodeType) else _constant(c) for c in code.co_consts]
-    if words is not None and code.co_consts[:1] == (words,):
-        constants[0] = ""
-    return digest(
-        code.co_code,
-        repr((code.co_names, code.co_varnames, code.co_freevars, code.co_cellvars)),
-        repr((code.co_argcount, code.co_kwonlyargcount, code.co_flags)),
-        getattr(code, "co_exceptiontable", b""),
-        *constants,
-    )
+def _code(code: CodeType, words: str | None = None) -> tuple[Any, ...]:
+    """Return what code is without its place in a file and its docstring `words`."""
+    constants = [_code(c) if isinstance(c, CodeType) else c for c in code.co_consts]
+    if words is not None and constants[:1] == [words]:
+        constants[0] = None
+    names = code.co_names, code.co_varnames, code.co_freevars, code.co_cellvars
+    counts = code.co_argcount, code.co_kwonlyargcount, code.co_flags
+    return code.co_code, names, counts, code.co_exceptiontable, constants
 
 
-def _constant(value: Any) -> str:
-    return f"{type(value).__name__}:{value!r}"
+_CONSTANTS = {bool, int, float, complex, str, bytes, type(None)}
 
 
-def _value(value: Any, code: CodeType) -> str:
-    """What a global is, as far as it enters compiled code."""
+def _value(value: Any, code: CodeType) -> Any:
+    """Return what a global is, as far as it enters compiled code: plain data.
+
+    Numbers and texts are themselves; all else is a list, which no constant is.
+    """
+    if type(value) in _CONSTANTS:
+        return value
+    if hasattr(value, "content_as_callee"):
+        return [value.content_as_callee()]
+    if isinstance(value, tuple):
+        return [str(type(value)), *(_value(v, code) for v in value)]
     if isinstance(value, ModuleType):
         # not by hasattr: NumPy looks for parts of it that are not imported
         read = sorted(_names(code) & vars(value).keys())
-        parts = [f"{name}={_value(getattr(value, name), code)}" for name in read]
-        return digest(value.__name__, *parts)
-    if isinstance(value, np.ndarray):
-        return digest(value.dtype.str, repr(value.shape), np.ascontiguousarray(value).tobytes())
-    if isinstance(value, np.generic | bool | int | float | complex | str | bytes | None):
-        return _constant(value)
-    if isinstance(value, tuple):
-        return digest("tuple", type(value).__name__, *(_value(v, code) for v in value))
-    if hasattr(value, "content_as_callee"):
-        return str(value.content_as_callee())
+        return [value.__name__, *((name, _value(getattr(value, name), code)) for name in read)]
+    if isinstance(value, np.ndarray | np.generic):
+        return [str(type(value)), value.dtype.str, value.shape, value.tobytes()]
     if isinstance(value, type):
-        return f"class {value.__module__}.{value.__qualname__}{getattr(value, '_fields', '')}"
+        return ["class", value.__module__, value.__qualname__, getattr(value, "_fields", "")]
     if isinstance(getattr(value, "__code__", None), CodeType):
-        return _code(value.__code__)
+        return [_code(value.__code__)]
     module, name = getattr(value, "__module__", ""), getattr(value, "__name__", "")
-    return f"{type(value).__name__} {module}.{name}"
+    return [type(value).__name__, module, name]
 
 
 # Sums may be reordered and products contracted; inf and nan keep their meaning.
