@@ -15,6 +15,7 @@ from ..solver.inputs.solid_specification import solid_spec
 from ..solver.math.arrays import Array
 from ..solver.package import ModalPackage, Remark, read_package
 from ..solver.package import validate as findings_of
+from ..solver.package.body.lay_ups import LayUp
 from ..solver.package.shell.shell_schema import ShellFile
 from ..solver.report.shell.findings import read_shown, shell_json
 from ..solver.report.solid import solid_table
@@ -223,6 +224,29 @@ class Package:
         (3,)
         """
         return {place.name: place.position_B for place in self.data.interfaces}
+
+    def lay_up(self, laminate: str | None = None) -> LayUp:
+        """Modal stiffness of a shell with other angles and thicknesses of its plies.
+
+        `lay_up().stiffness(angles_deg)` is exact for the modes of the package (docs/design.md).
+
+        Parameters
+        ----------
+        laminate : name; None for the only one
+
+        Raises
+        ------
+        PackageError
+            No such laminate; a package without `stiffness_rates` of it.
+
+        Examples
+        --------
+        >>> import plymotion as pm
+        >>> pm.info("rod.vtkhdf").lay_up("skin")
+        Traceback (most recent call last):
+        plymotion.solver.errors.PackageError: rod: laminate 'skin': expected one of none
+        """
+        return LayUp(self.data, laminate)
 
     def __repr__(self) -> str:
         return f"<Package {self.name}: {self.data.n_mode} modes, {self.mass:.4g} kg>"

@@ -29,8 +29,8 @@ from ...solver.errors import did_you_mean
 from ...solver.math.arrays import Array
 from ...solver.math.records import dataclass
 from ...solver.package.common.materials import Orthotropic, bond, ply_rotation, rotated
+from ...solver.package.common.plies import PLANE, faces, moments
 
-PLANE = np.array([0, 1, 5])  # 11, 22, 12 of a stress column 11 22 33 23 13 12
 ACROSS = np.array([4, 3])  # 13, 23: in the order of the shear strains (gxz, gyz)
 
 
@@ -91,10 +91,12 @@ class Laminate:
     @cached_property
     def faces(self) -> Array:
         """Height z of the faces of the plies from the bottom up, (k + 1,) [m]."""
-        thickness = [ply.thickness for ply in self.plies]
-        # measured from the middle, so that symmetric plies are symmetric to the last digit
-        up, down = np.cumsum([0.0, *thickness]), np.cumsum([0.0, *thickness[::-1]])[::-1]
-        return 0.5 * (up - down) + self.offset
+        return faces([ply.thickness for ply in self.plies], self.offset)
+
+    @cached_property
+    def moments(self) -> Array:
+        """H_1, H_2, H_3 of every ply: integrals of 1, z, z^2 over it, (3, k) [m, m2, m3]."""
+        return moments([ply.thickness for ply in self.plies], self.offset)
 
     @cached_property
     def stiffness(self) -> Array:
@@ -122,17 +124,6 @@ class Laminate:
     def across(self) -> Array:
         """Transverse shear stiffness of each ply for (gxz, gyz), (k, 2, 2) [Pa]."""
         return self.stiffness[:, ACROSS[:, None], ACROSS]
-
-
-def moments(laminate: Laminate) -> Array:
-    """H_1, H_2, H_3 of every ply: integrals of 1, z, z^2 over it, (3, k) [m, m2, m3].
-
-    Paper: Eq. (30), with the limits h_l and h_(l+1) of its right side.
-    """
-    z = laminate.faces
-    thickness, middle = np.array([ply.thickness for ply in laminate.plies]), 0.5 * (z[1:] + z[:-1])
-    # equal to (h_(l+1)^n - h_l^n) / n, without the difference of nearly equal numbers
-    return np.stack([thickness, thickness * middle, thickness * (middle**2 + thickness**2 / 12.0)])
 
 
 ShearCorrection = str | Sequence[float]
@@ -224,7 +215,7 @@ def equilibrium_shear(
     driven : assigns T to the gradients of M
     """
     # strain and curvature per unit moment without normal force [1/N, 1/(N m)]
-    A, B, D = (np.einsum("k,kij->ij", H, laminate.plane) for H in moments(laminate))
+    A, B, D = (np.einsum("k,kij->ij", H, laminate.plane) for H in laminate.moments)
     d = np.linalg.inv(D - B @ np.linalg.solve(A, B))
     b = -np.linalg.solve(A, B) @ d
     constant, linear = driven(laminate.plane @ b), driven(laminate.plane @ d)
@@ -306,7 +297,7 @@ def laminate_stiffness(
     ------
     LaminateError : an unknown correction, or factors that are not above 0.
     """
-    H = moments(laminate)
+    H = laminate.moments
     plane = laminate.plane
     A, B, D = (np.einsum("k,kij->ij", H[n], plane) for n in range(3))
     rho = np.array([ply.material.rho for ply in laminate.plies])

@@ -17,7 +17,9 @@ from plymotion.preprocess.design import body_parameters
 from plymotion.preprocess.modes.reference import ModeError
 from plymotion.preprocess.products import BodyPackages
 from plymotion.preprocess.shell.body import shell_body as built_shells
+from plymotion.solver.errors import PackageError
 from plymotion.solver.package import ModalPackage, read_package, validate, write_package
+from plymotion.solver.package.body.lay_ups import LayUp
 from plymotion.solver.package.common.plain_data import SpecError
 
 pytestmark = pytest.mark.one_end
@@ -73,6 +75,38 @@ def skewed(**changes: Any) -> dict[str, Any]:
     ends = {"root": {"at": "left"}, "tip": {"at": "right"}}
     given = {"modes": modes, "interfaces": ends, "damping_ratio": 0.01}
     return shell_body(body="panel", shell=shell, **given | changes)
+
+
+@pytest.mark.parametrize("elements", [{}, {"membrane": "cst", "drilling": "fictitious"}])
+def test_other_lay_ups_in_the_same_modes(elements: dict[str, str]) -> None:
+    """K of a package for other plies is that of a new model with these plies, in its modes."""
+    spec = skewed()
+    spec["shell"]["elements"] = {"plate": "dkt"} | elements
+    spec["design"] = {"a": [{"of": "shell.laminates.skin.plies.0.angle_deg"}]}
+    package = build_body(spec)
+    skin = LayUp(package, "skin")
+    assert (skin.stiffness(skin.angles_deg) == package.stiffness).all()
+    model = built_shells.shell_model(built_shells.read_shell_body(spec))
+    u = model.problem.freedom.expanded(built_shells.shell_modes(model).columns_B)
+    plies = spec["shell"]["laminates"]["skin"]["plies"]
+    others = ((10, 80, -33, 5), None), ((90, 0, 45, -45), (2e-3, 1e-3, 1e-3, 4e-4))
+    for angles, thicknesses in others:
+        for ply, angle, h in zip(plies, angles, thicknesses or skin.thicknesses, strict=True):
+            ply |= {"angle_deg": float(angle), "thickness": float(h)}
+        other = built_shells.shell_model(built_shells.read_shell_body(spec)).problem
+        K, found = u.T @ (other.K @ u), skin.stiffness(angles, thicknesses)
+        assert np.abs(found - K).max() < 1e-10 * np.abs(K).max()
+        np.testing.assert_array_equal(skin.stiffness([angles], thicknesses)[0], found)
+    with pytest.raises(PackageError, match="lay-up: expected numbers of 4 plies"):
+        skin.stiffness([0.0, 90.0])
+
+
+def test_other_elements_have_no_such_matrices() -> None:
+    package = build_body(skewed(design={"a": [{"of": "shell.laminates.skin.offset"}]}))
+    with pytest.raises(PackageError, match="laminate skin: the package does not have `stiffness_r"):
+        LayUp(package)
+    with pytest.raises(PackageError, match="laminate 'core': expected one of skin"):
+        LayUp(package, "core")
 
 
 def worst(spec: dict[str, Any], steps: float) -> dict[str, float]:

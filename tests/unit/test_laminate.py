@@ -37,10 +37,9 @@ def test_isotropic_plate_is_the_textbook_one() -> None:
 
 def test_printed_pairing_of_eq_29_gives_a_plate_without_bending_stiffness() -> None:
     """H_2 about the middle of a plate is 0: D_b with H_2, as printed, is then 0."""
-    from plymotion.preprocess.laminate.stiffness import moments
 
     plate = stack(0.0, 90.0, 90.0, 0.0)
-    H = moments(plate)
+    H = plate.moments
     as_printed = np.einsum("k,kij->ij", H[1], plate.plane)
     D = laminate_stiffness(plate).D
     assert np.max(np.abs(as_printed)) < 1e-12 * np.max(plate.plane) * plate.thickness**2

@@ -9,30 +9,17 @@ import scipy.sparse as sp
 from scipy.optimize import linprog
 
 from ....solver.math.arrays import Array
+from ....solver.package.common.plies import PATTERNS, harmonics, ply_factors
 from ...laminate.report import is_symmetric
-from ...laminate.stiffness import Laminate, moments
+from ...laminate.stiffness import Laminate
 from ..shell_cells import ShellError
 
-PATTERNS = np.array(  # of the plane stiffness of a ply, by harmonic
-    [
-        [[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 0.0]],
-        [[0.0, 0.0, 0.5], [0.0, 0.0, 0.5], [0.5, 0.5, 0.0]],
-        [[1.0, -1.0, 0.0], [-1.0, 1.0, 0.0], [0.0, 0.0, -1.0]],
-        [[0.0, 0.0, 1.0], [0.0, 0.0, -1.0], [1.0, -1.0, 0.0]],
-    ]
-)
 ROUNDING = 1e-9  # relative: a smaller parameter is a sum that cancels
 MODES = 6  # most cutting planes of one mixture
 MOST_KEPT = 100  # cutting planes, those nearest to the best mixture
 AGREED = 1e-5  # relative difference of the linear program and lambda
 CLOSE = 1.5  # times the lowest value: modes that give cutting planes
 COARSE, FINE = np.arange(-90.0, 90.0, 5.0), np.arange(-90.0, 90.0, 0.05)  # [deg]
-
-
-def harmonics(angles_deg: Array) -> Array:
-    """cos 2a, sin 2a, cos 4a, sin 4a of angles (...), (..., 4)."""
-    a = np.radians(2.0 * angles_deg)
-    return np.stack([np.cos(a), np.sin(a), np.cos(2.0 * a), np.sin(2.0 * a)], axis=-1)
 
 
 class Plies:
@@ -46,19 +33,15 @@ class Plies:
     """
 
     def __init__(self, laminate: Laminate) -> None:
-        along = Laminate(tuple(ply._replace(angle_deg=0.0) for ply in laminate.plies)).plane
-        H, k = moments(laminate), len(laminate.plies)
+        H, k = laminate.moments, len(laminate.plies)
         self.symmetric = is_symmetric(laminate)
-        Q11, Q22, Q12, Q66 = along[:, 0, 0], along[:, 1, 1], along[:, 0, 1], along[:, 2, 2]
-        U2, U3 = 0.5 * (Q11 - Q22), 0.125 * (Q11 + Q22 - 2.0 * Q12 - 4.0 * Q66)
-        u = np.stack([U2, U2, U3, U3], axis=1)
-        at_zero = np.einsum("lh,hij->lij", u[:, ::2], PATTERNS[::2])
-        self.mean: Array = np.einsum("nl,lij->nij", H, along - at_zero)
+        mean, u = ply_factors([ply.material for ply in laminate.plies])
+        self.mean: Array = np.einsum("nl,lij->nij", H, mean)
         own = np.einsum("nl,lh,hj->lnhj", H, u, np.eye(4)).reshape(k, 12, 4)
         mirrored = [sorted({i, k - 1 - i}) for i in range((k + 1) // 2)]
         rows = mirrored if self.symmetric else [[i] for i in range(k)]
         columns = np.array([own[each].sum(axis=0) for each in rows])
-        size = np.repeat(np.abs(H).max(axis=1), 4)[:, None] * np.abs(along).max()
+        size = np.repeat(np.abs(H).max(axis=1), 4)[:, None] * np.abs(mean).max()
         columns[np.abs(columns) < ROUNDING * size] = 0.0
         kept = np.flatnonzero(np.abs(columns).max(axis=(1, 2)))  # the others have no direction
         self.rows, self.columns = [rows[i] for i in kept], columns[kept]

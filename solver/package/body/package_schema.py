@@ -177,6 +177,15 @@ class LaminateData:
     materials: Annotated[
         dict[str, dict[str, object]], Data(text="constants and strengths by name, as JSON text")
     ]
+    stiffness_rates: Annotated[
+        Array | None,
+        Data(
+            "18, m, m",
+            "m2, m, -",
+            "-",
+            "derivative of the modal stiffness by the entries 11 22 66 12 16 26 of A, of B, of D",
+        ),
+    ] = None
 
 
 @dataclass(frozen=True)
