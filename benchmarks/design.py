@@ -256,7 +256,7 @@ def random_designs(_: Path) -> dict[str, Any]:
 def starts_within_limits(_: Path) -> dict[str, Any]:
     """With the thickness of all plies, and limits of strength, frequency and mass.
 
-    A design and its gradient take 7 s of processor time, four times as long as without limits:
+    A design and its gradient take 6 s of processor time, three times as long as without limits:
     derivatives of strains by 13 parameters are built, read and searched. So there are no random
     designs.
     """

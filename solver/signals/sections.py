@@ -238,7 +238,7 @@ def ply_stress_values(
         raise InputError(f"{key}: section {name} of {package.body} has no recovery of stresses")
     points = _points(key, recovery, signal)
     component = STRESSES.index(signal.component)
-    rows = unit_stress_M(recovery)[points, component]  # (p, 6)
+    rows = unit_stress_M(recovery, points)[:, component]  # (p, 6)
 
     own = object()
 

@@ -30,9 +30,9 @@ def resultants(package: ModalPackage, q: Array) -> Array:
     return np.asarray(_recovery(package).resultants_E @ q.T)
 
 
-def unit_stress_M(recovery: SectionRecovery) -> Array:
-    """Stress of each point in its ply axes per unit resultant, (p, 6, 6) [Pa/N, Pa/(N m)]."""
-    return np.asarray(recovery.C_M[recovery.ply] @ recovery.strain_M)
+def unit_stress_M(recovery: SectionRecovery, points: IntArray | slice = slice(None)) -> Array:
+    """Stress of points in their ply axes per unit resultant, (p, 6, 6) [Pa/N, Pa/(N m)]."""
+    return np.asarray(recovery.C_M[recovery.ply[points]] @ recovery.strain_M[points])
 
 
 def beam_search(package: ModalPackage) -> "BeamSearch | None":
@@ -65,17 +65,17 @@ def material_searches(
     points : rows of the recovery's points; absent: all
     criteria : names of those to be used; none given: all
     """
-    stress_M = unit_stress_M(recovery)
     material = np.array([ply.material for ply in recovery.plies])[recovery.ply]
     chosen = np.arange(len(material)) if points is None else points
     for name, strength in strengths(recovery).items():
         own = chosen[material[chosen] == name]
         if not own.size:
             continue
+        stress_M = unit_stress_M(recovery, own)
         plies, group = np.unique(recovery.ply[own], return_inverse=True)
         for criterion in criteria_of(strength):
             if not criteria or criterion.name in criteria:
-                peaks = PeakSearch(stress_M[own], criterion, strength)
+                peaks = PeakSearch(stress_M, criterion, strength)
                 yield MaterialSearch(criterion, strength, recovery, own, plies, group, peaks)
 
 

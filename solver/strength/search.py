@@ -18,6 +18,7 @@ the highest bound is evaluated first, then every point whose bound is above what
 """
 
 from collections.abc import Sequence
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -84,9 +85,12 @@ class PeakSearch:
     def __init__(self, stress_M: Array, criterion: Criterion, strength: Any) -> None:
         self.stress_M = stress_M
         self.criterion, self.strength = criterion, strength
-        unit = np.moveaxis(stress_M, 2, 1)  # (p, resultant, stress)
-        both = np.concatenate([unit, -unit], axis=1)
-        self.bounds: Array = criterion.bound(both, strength)  # (p, 12)
+
+    @cached_property
+    def bounds(self) -> Array:
+        """Bounds of the exposure of each point by the positive parts of F and -F, (p, 12)."""
+        unit = np.moveaxis(self.stress_M, 2, 1)  # (p, resultant, stress)
+        return self.criterion.bound(np.concatenate([unit, -unit], axis=1), self.strength)
 
     def peaks(self, F: Array, group: IntArray, floors: Array, top: float) -> Peaks:
         """Find the peak of every group of points under resultants F (6, t); see Peaks.
