@@ -133,23 +133,19 @@ def sensitivity_page(result: RunResult) -> str:
     lines: dict[str, list[Signal]] = {}
     figures = []
     for signal in result.signals:
-        own = [
-            (float(np.nanmean(values**2)), one.parameter, values)
-            for one in result.sensitivities
-            if one.signal == signal.name
-            for values in [one.values * (one.value or 1.0)]
-        ]
-        most = sorted(own, key=lambda line: -line[0])[:LINES]
-        for _, key, values in most:
+        every = (one for one in result.sensitivities if one.signal == signal.name)
+        own = [(one.parameter, one.values * (one.value or 1.0)) for one in every]
+        own = sorted(own, key=lambda line: -float(np.nanmean(line[1] ** 2)))[:LINES]
+        for key, values in own:
             lines.setdefault(key, []).append(replace(signal, values=values))
-        if most:
+        if own:
             shown = {"title": signal.description or signal.name, "signal": signal.name}
-            figures.append({**shown, "runs": [key for _, key, _ in most]})
+            figures.append({**shown, "runs": [key for key, _ in own]})
     blob, title = Blob(), f"{result.case}, {result.run}: sensitivities"
     runs = [
         {"name": key, "title": key, "stopped": False, "scene": None, "worst": []}
-        | histories(blob, replace(result, signals=tuple(own)), HISTORIES // len(lines))
-        for key, own in lines.items()
+        | histories(blob, replace(result, signals=tuple(of_key)), HISTORIES // len(lines))
+        for key, of_key in lines.items()
     ]
     words = f"<p>Value times derivative of each signal, the {LINES} most effective parameters</p>"
     plots = section("plots", "Plots", "<div id='plot-list'></div>")

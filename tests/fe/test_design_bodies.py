@@ -103,7 +103,7 @@ def test_other_lay_ups_in_the_same_modes(elements: dict[str, str]) -> None:
 
 def test_other_elements_have_no_such_matrices() -> None:
     package = build_body(skewed(design={"a": [{"of": "shell.laminates.skin.offset"}]}))
-    with pytest.raises(PackageError, match="laminate skin: the package does not have `stiffness_r"):
+    with pytest.raises(PackageError, match="laminate skin: the package has no `stiffness_r"):
         LayUp(package)
     with pytest.raises(PackageError, match="laminate 'core': expected one of skin"):
         LayUp(package, "core")

@@ -20,6 +20,8 @@ MOST_KEPT = 100  # cutting planes, those nearest to the best mixture
 AGREED = 1e-5  # relative difference of the linear program and lambda
 CLOSE = 1.5  # times the lowest value: modes that give cutting planes
 COARSE, FINE = np.arange(-90.0, 90.0, 5.0), np.arange(-90.0, 90.0, 0.05)  # [deg]
+# Largest error of the maximum of each harmonic on FINE.
+BETWEEN = 0.5 * np.array([4.0, 4.0, 16.0, 16.0]) * np.radians(0.5 * (FINE[1] - FINE[0])) ** 2
 
 
 class Plies:
@@ -100,17 +102,13 @@ class Cuts:
         s = np.maximum(-optimum.ineqlin.marginals, 0.0)
         s /= s.sum()
         combined = np.einsum("i,ij,gjh->gh", s, self._q, self._columns)
-        shares = optimum.x[:-1]
+        shares, fine = optimum.x[:-1], own if angles_deg is not None else [FINE] * len(own)
+        values = [harmonics(each) @ row for each, row in zip(fine, combined, strict=True)]
+        largest = sum(float(each.max()) for each in values)
         if angles_deg is None:
-            values = combined @ harmonics(FINE).T
-            curvature = np.abs(combined) @ np.array([4.0, 4.0, 16.0, 16.0])
-            between = 0.5 * curvature * np.radians(0.5 * (FINE[1] - FINE[0])) ** 2
-            largest = float((values.max(axis=1) + between).sum())
-            more = a[shares > ROUNDING], FINE[values.argmax(axis=1)]
+            largest += float((np.abs(combined) @ BETWEEN).sum())
+            more = a[shares > ROUNDING], FINE[[int(each.argmax()) for each in values]]
             self._angles = np.unique(np.concatenate([COARSE, *more]))
-        else:
-            pairs = zip(combined, own, strict=True)
-            largest = sum(float((harmonics(each) @ row).max()) for row, each in pairs)
         p = at @ shares
         near = np.argsort(self._c + self._q @ p)[:MOST_KEPT]
         bound = float(s @ self._c) + largest

@@ -44,17 +44,16 @@ class LayUp:
 
     def __init__(self, package: ModalPackage, laminate: str | None = None) -> None:
         known = {each.name: each for each in package.laminates}
-        name = next(iter(known), "") if laminate is None else laminate
-        if name not in known or (laminate is None and len(known) > 1):
+        own = known.get(next(iter(known), "") if laminate is None else laminate)
+        if own is None or (laminate is None and len(known) > 1):
             names = ", ".join(known) or "none"
             raise PackageError(f"{package.body}: laminate {laminate!r}: expected one of {names}")
-        if known[name].stiffness_rates is None:
+        if own.stiffness_rates is None:
             raise PackageError(
-                f"{package.body}: laminate {name}: the package does not have `stiffness_rates`; "
+                f"{package.body}: laminate {own.name}: the package has no `stiffness_rates`; "
                 "expected a shell of triangles with elements.plate = dkt and [design] parameters"
             )
-        own, plies = known[name], known[name].plies
-        self._K, self._rates = package.stiffness, own.stiffness_rates
+        self._K, self._rates, plies = package.stiffness, own.stiffness_rates, own.plies
         self.angles_deg = np.array([ply.angle_deg for ply in plies])
         z = np.array([plies[0].bottom, *(ply.top for ply in plies)])
         self.thicknesses, self._middle = np.diff(z), 0.5 * (z[0] + z[-1])

@@ -283,13 +283,13 @@ def _bound(shell: ShellFile) -> list[str]:
 def _best_of_angles(bound: Mapping[str, Any], from_it: str) -> list[str]:
     if (best := bound.get("of_angles")) is None:
         return []
-    allowed = ", ".join(f"{angle:g}" for angle in best["allowed_deg"])
-    value = f"{best['best']:.5g} {bound['unit']}".strip()
+    allowed = _short(", ".join(f"{angle:g}" for angle in best["allowed_deg"]), 40)
+    value, gap = f"{best['best']:.5g} {bound['unit']}".strip(), f"{100.0 * best['gap']:.2g} %"
+    effort = f"{best['branches']} branches, {best['computed']} of {best['lay_ups']} lay-ups"
     return [
-        f"{'':16}best of {_short(allowed, 40)} deg {value}, at most {100.0 * best['gap']:.2g} % "
-        f"{from_it}: {_lay_up(best['angles_deg'])}",
-        f"{'':16}{best['branches']} branches, {best['computed']} of {best['lay_ups']} lay-ups "
-        "computed",
+        f"{'':16}best of {allowed} deg {value}, at most {gap} {from_it}: "
+        f"{_lay_up(best['angles_deg'])}",
+        f"{'':16}{effort} computed",
     ]
 
 
