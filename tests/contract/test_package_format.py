@@ -49,7 +49,10 @@ def file(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def shell_file(tmp_path: Path) -> Path:
-    write_package(tmp_path / "panel.vtkhdf", panel())
+    package = panel()
+    rates = np.ones((18, package.n_mode, package.n_mode))
+    laminates = tuple(replace(each, stiffness_rates=rates) for each in package.laminates)
+    write_package(tmp_path / "panel.vtkhdf", replace(package, laminates=laminates))
     return tmp_path / "panel.vtkhdf"
 
 
