@@ -29,7 +29,7 @@ from ...solver.errors import did_you_mean
 from ...solver.math.arrays import Array
 from ...solver.math.records import dataclass
 from ...solver.package.common.materials import Orthotropic, bond, ply_rotation, rotated
-from ...solver.package.common.plies import PLANE, faces, moments
+from ...solver.package.shell.plies import PLANE, faces, moments
 
 ACROSS = np.array([4, 3])  # 13, 23: in the order of the shear strains (gxz, gyz)
 

@@ -9,7 +9,7 @@ import scipy.sparse as sp
 from scipy.optimize import linprog
 
 from ....solver.math.arrays import Array
-from ....solver.package.common.plies import PATTERNS, harmonics, ply_factors
+from ....solver.package.shell.plies import PATTERNS, harmonics, ply_factors
 from ...laminate.report import is_symmetric
 from ...laminate.stiffness import Laminate
 from ..shell_cells import ShellError

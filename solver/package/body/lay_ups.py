@@ -17,7 +17,7 @@ import numpy as np
 from ...errors import PackageError
 from ...math.arrays import Array
 from ..common.materials import material_from_dict
-from ..common.plies import PATTERNS, harmonics, moments, ply_factors
+from ..shell.plies import PATTERNS, harmonics, moments, ply_factors
 from .package_schema import ModalPackage
 
 ENTRIES = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))  # of A, then B, then D

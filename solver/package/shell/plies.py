@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...math.arrays import Array
-from .materials import Orthotropic
+from ..common.materials import Orthotropic
 
 PLANE = np.array([0, 1, 5])  # 11, 22, 12 of a stress column 11 22 33 23 13 12
 PATTERNS = np.array(  # of the plane stiffness of a ply, by harmonic
