@@ -41,6 +41,7 @@ def shell(script: str, sizes: Any, plies: int, h: float, of: str, **tables: Any)
         "laminates": {"wall": {"plies": [ply] * plies}},
         "regions": {"all": {"laminate": "wall", "axis": [1.0, 0.0, 0.0]}},
         "bound": of,
+        "bound_angles_deg": [0.0, 45.0, -45.0, 90.0],
         **tables,
     }
 
@@ -94,16 +95,19 @@ def main() -> None:
     """Compute all and write the file that the command line names."""
     found = {}
     for name, spec in shells().items():
-        plain = {key: value for key, value in spec.items() if key != "bound"}
+        plain = {key: value for key, value in spec.items() if not key.startswith("bound")}
         plain.setdefault("frequencies", {"count": 1, "error": False})
         begin = time.process_time()
         analyse(plain)
         between = time.process_time()
-        table = analyse(plain | {"bound": spec["bound"]}).provenance["bound"]
+        table = analyse({**plain, **spec}).provenance["bound"]
         seconds = time.process_time() - between - (between - begin)
         found[name] = {**table, "cpu_s": round(seconds, 2)}
+        best = table["of_angles"]
         print(f"{name}: {table['bound']:.5g} {table['unit']}, found {table['found']:.5g}, "
-              f"gap {100 * table['found_gap']:.2g} %, {seconds:.1f} s")  # fmt: skip
+              f"gap {100 * table['found_gap']:.2g} %; of four angles {best['best']:.5g}, "
+              f"gap {100 * best['gap']:.2g} %, {best['branches']} branches, {best['computed']} of "
+              f"{best['lay_ups']} computed; {seconds:.1f} s")  # fmt: skip
     out = Path(sys.argv[1])
     out.parent.mkdir(parents=True, exist_ok=True)
     out.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
