@@ -3,7 +3,7 @@
 A command takes 0.4 s to load its modules, which is more than it takes to do what the tests ask for.
 A fork has a number, a memory, signals, limits and an exit code of its own, and ends as an
 interpreter does. What happens while modules are loaded is tested in processes that load them.
-Compiled loops are off.
+Compiled loops are off, unless the environment of a fork says otherwise.
 """
 
 import json
@@ -110,9 +110,10 @@ class Fork:
 
 
 class Forks:
-    """The process of SERVER; it is started when it is asked for the first time."""
+    """The process of SERVER, which loads modules; it is started when it is asked for first."""
 
-    def __init__(self) -> None:
+    def __init__(self, modules: list[str]) -> None:
+        self._modules = modules
         self._server: subprocess.Popen[bytes] | None = None
         self._orders: socket.socket | None = None
 
@@ -120,7 +121,8 @@ class Forks:
         """Start code with arguments; `environment` is added to that of this process."""
         if self._orders is None:
             self._orders, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-            command = [sys.executable, "-c", SERVER, str(theirs.fileno()), json.dumps(MODULES)]
+            modules = json.dumps(self._modules)
+            command = [sys.executable, "-c", SERVER, str(theirs.fileno()), modules]
             self._server = subprocess.Popen(
                 command, pass_fds=[theirs.fileno()], env=os.environ | OFF, stdin=subprocess.DEVNULL
             )
@@ -156,4 +158,4 @@ class Forks:
         self._server = self._orders = None
 
 
-forks = Forks()
+forks = Forks(MODULES)

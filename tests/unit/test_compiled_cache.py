@@ -5,15 +5,12 @@ import json
 import os
 import pickle
 import shutil
-import subprocess
-import sys
-import time
-import uuid
 from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
 import pytest
+from harness.forks import Forks
 from harness.processes import this_python
 from samples.constraint_runs import prepared
 from samples.mechanism_samples import chain
@@ -47,47 +44,12 @@ def entry(a):
         total += unit(a[i])
     return total
 """
-# Runs a script in forks of a process that has imported NumPy and Numba and nothing of ours: that
-# takes longer than the rest. A line of its input is an order: the environment, the folder in front
-# of the path, the files of output and of errors, and a file for the exit code.
-FORKS = """
-import json, os, sys, traceback
-import numpy, numba, numba.core.registry
-script = sys.argv[1]
-for line in sys.stdin:
-    environment, folder, out, err, code = json.loads(line)
-    if os.fork():
-        continue
-    if os.fork() == 0:
-        os.environ.clear()
-        os.environ.update(environment)
-        sys.path.insert(0, folder)
-        # Python takes bytecode of another text of the same second and size for this one's.
-        sys.dont_write_bytecode = True
-        for file, number in ((out, 1), (err, 2)):
-            os.dup2(os.open(file, os.O_WRONLY | os.O_CREAT), number)
-        try:
-            exec(compile(script, "script", "exec"), {"__name__": "__main__"})
-            end = 0
-        except BaseException:
-            traceback.print_exc()
-            end = 1
-        sys.stdout.flush()
-        sys.stderr.flush()
-        os._exit(end)
-    end = os.waitstatus_to_exitcode(os.wait()[1])
-    with open(code + ".part", "w") as file:
-        file.write(str(end))
-    os.rename(code + ".part", code)
-    os._exit(0)
-while True:
-    try:
-        os.wait()
-    except ChildProcessError:
-        break
-"""
 SCRIPT = """
-import os
+import os, sys
+if sys.argv[1:]:
+    sys.path.insert(0, sys.argv[1])
+    # Python takes bytecode of another text of the same second and size for this one's.
+    sys.dont_write_bytecode = True
 exec(os.environ.get("SETUP", ""))
 import numpy as np
 from plymotion.solver.math.compiled import COMPILED, statistics
@@ -106,36 +68,15 @@ def _call(folder: Path, cache: Path | None, factor=2.0, shift=1.0, **settings):
 def _started(folder, cache, factor=2.0, shift=1.0, **settings):
     folder.mkdir(exist_ok=True)
     (folder / "sample.py").write_text(MODULE.format(factor=factor, shift=shift))
-    environment = {**os.environ, "PLYMOTION_COMPILED": "1", **settings}
-    environment.pop("PLYMOTION_CACHE", None)
-    if cache is not None:
-        environment["PLYMOTION_CACHE"] = str(cache)
-    return _forks.started(environment, folder)
+    settings = {"PLYMOTION_COMPILED": "1", "PLYMOTION_CACHE": str(cache or "")} | settings
+    return _forks.started(SCRIPT, str(folder), **settings)
 
 
-class Forks:
-    """The process of FORKS; it is started when it is asked for the first time."""
-
-    process: subprocess.Popen[str] | None = None
-
-    def started(self, environment: dict[str, str], folder: Path) -> Path:
-        """Start the script; return the stem of its files of output, errors and exit code."""
-        if self.process is None:
-            words = [sys.executable, "-c", FORKS, SCRIPT]
-            self.process = subprocess.Popen(words, stdin=subprocess.PIPE, text=True)
-        place = folder / uuid.uuid4().hex
-        files = [str(place.with_suffix(f".{name}")) for name in ("out", "err", "code")]
-        self.process.stdin.write(json.dumps([environment, str(folder), *files]) + "\n")
-        self.process.stdin.flush()
-        return place
-
-    def end(self) -> None:
-        if self.process is not None:
-            self.process.communicate(timeout=60)
-        self.process = None
-
-
-_forks = Forks()
+# Numba with most of what it loads when it compiles for the first time, and nothing of ours.
+LOADED = """core.typing.arraydecl core.typing.cmathdecl cpython.cmathimpl cpython.printimpl
+    cpython.setobj cpython.tupleobj experimental.function_type misc.cffiimpl np.arraymath
+    np.npyimpl np.random.generator_methods typed.typeddict typed.typedlist"""
+_forks = Forks([f"numba.{name}" for name in LOADED.split()])
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -144,21 +85,9 @@ def forks():
     _forks.end()
 
 
-def _ended(place: Path) -> tuple[int, str, str]:
-    """Exit code, output and errors of what was started."""
-    code = place.with_suffix(".code")
-    end = time.monotonic() + 300.0
-    while not code.is_file():
-        assert time.monotonic() < end, "waited in vain"
-        assert _forks.process.poll() is None
-        time.sleep(0.005)
-    texts = [place.with_suffix(f".{name}").read_text() for name in ("out", "err")]
-    return int(code.read_text()), *texts
-
-
-def _read(place):
-    code, out, err = _ended(place)
-    assert code == 0, err
+def _read(process):
+    out, err = process.communicate(300.0)
+    assert process.returncode == 0, err
     return _found(out)
 
 
@@ -318,8 +247,9 @@ INTERNALS = "import plymotion.solver.math.compiled.{0} as module; module.{1} = N
 def test_another_numba_is_left_to_njit(tmp_path, setup, words):
     if "NEWEST" in setup and _numba_version() <= (0, 62):
         pytest.skip("this Numba is the lowest one that is supported")
-    code, out, err = _ended(_started(tmp_path / "one", tmp_path / "cache", SETUP=setup))
-    assert code == 0, err
+    process = _started(tmp_path / "one", tmp_path / "cache", SETUP=setup)
+    out, err = process.communicate(300.0)
+    assert process.returncode == 0, err
     assert out.split()[:4] == ["16.0", "True", "0", "1"]
     assert words in err
     assert err.count("RuntimeWarning") == 1
