@@ -415,7 +415,10 @@ class _Specifications:
     def next(self, lane: int, width: int) -> Task | None:
         """Return the next specification for a lane."""
         spec = self._queue.next(lane)
-        return None if spec is None else Task(make, (self._start, spec.resolve()), spec)
+        if spec is None:
+            return None
+        # The file is written beside the name, not beside what a link of this name leads to.
+        return Task(make, (self._start, spec.parent.resolve() / spec.name), spec)
 
     def took(self, task: Task, result: Any) -> None:
         """Report an outcome. Raises InputError: the preprocessor crashes all the time."""

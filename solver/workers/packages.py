@@ -134,7 +134,11 @@ def build_packages(
         if line["status"] == "failed" or not (folder / f"{spec.stem}.vtkhdf").is_file():
             failed[spec] = line["error"]
 
-    start = start_of("body", ["--out-dir", str(folder.resolve())], place := executor())
+    # Packages beside their specifications need no option: one process then builds those of several
+    # folders, where it is kept (`kept_preprocessors`).
+    beside = all(spec.parent == folder for spec in wanted)
+    options = [] if beside else ["--out-dir", str(folder.resolve())]
+    start = start_of("body", options, place := executor())
     groups = by_mesh((spec, _mesh_of(table)) for spec, table in wanted.items())
     make_all(groups, start, executor=place, done=done, progress=lambda _: None)
     if failed:

@@ -11,7 +11,7 @@ from plymotion.solver.__main__ import main
 from plymotion.solver.commands.case_arguments import STARTERS
 from plymotion.solver.commands.setup import HOME
 from plymotion.solver.errors import counted
-from plymotion.solver.workers.launch import kept_preprocessors
+from plymotion.solver.workers import launch
 
 # Runs of each starter that must end without warnings; notes may be.
 RUNS = {
@@ -73,7 +73,7 @@ def test_the_next_command_is_what_the_user_types(
 @pytest.fixture(scope="module")
 def home(fenicsx: str, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     """A folder for all starters, whose bodies one FEniCSx builds."""
-    with pytest.MonkeyPatch.context() as patch, kept_preprocessors():
+    with pytest.MonkeyPatch.context() as patch, launch.kept_preprocessors():
         patch.setenv("FENICSX_PYTHON", fenicsx)
         yield tmp_path_factory.mktemp("starters")
 
@@ -84,6 +84,7 @@ def test_a_starter_runs_as_it_is(name: str, home: Path, monkeypatch: pytest.Monk
     mine = f"my-{name}"
     assert main(["new", name, mine]) == 0
     assert main([f"{mine}/case.toml", "--quiet", "--jobs", "1"]) == 0
+    assert len({own.start for own in launch._idle}) <= 1, "a process for each folder of bodies"
     assert Path("build", mine, "report.html").is_file()
     for run in RUNS[name]:
         summary = json.loads(Path("build", mine, run, "summary.json").read_text("utf-8"))

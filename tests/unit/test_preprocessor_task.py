@@ -9,6 +9,20 @@ from plymotion.solver.errors import InputError
 from plymotion.solver.workers import launch
 
 
+@pytest.mark.skipif(os.name == "nt", reason="links need a privilege there")
+def test_what_a_link_names_is_made_beside_the_link(tmp_path):
+    """The command looks for the file there, and writes nothing in the folders of others."""
+    other, own = tmp_path / "other", tmp_path / "own"
+    for folder in (other, own):
+        folder.mkdir()
+    (other / "spec.json").write_text("{}")
+    (own / "body.json").symlink_to(other / "spec.json")
+    start = launch.Start("", "body", ())
+    queue = launch.SpecificationQueue([[own / "body.json"]])
+    task = launch._Specifications(queue, start, lambda *_: None).next(0, 1)
+    assert task.arguments == (start, own / "body.json")
+
+
 @pytest.mark.skipif(os.name == "nt", reason="a script without suffix does not run there")
 def test_a_preprocessor_that_does_not_start_is_named(tmp_path, monkeypatch):
     """Also by a worker of dask, which finds its own Python."""
