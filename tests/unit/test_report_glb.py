@@ -12,7 +12,7 @@ from samples.result_samples import swinging_rod
 from plymotion.solver.__main__ import main
 from plymotion.solver.errors import InputError
 from plymotion.solver.math.rotations import rotation_matrix
-from plymotion.solver.report import write_glb
+from plymotion.solver.report.animation import write_glb
 from plymotion.solver.results import RunResult, read_result
 
 pytest.importorskip("matplotlib")

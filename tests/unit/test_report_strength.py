@@ -20,8 +20,8 @@ from samples.recovery_samples import (
 from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.package import ModalPackage
-from plymotion.solver.report import make_report
 from plymotion.solver.report.case_figures import draw_exposure
+from plymotion.solver.report.report_page import make_report
 from plymotion.solver.report.story import read_story
 from plymotion.solver.report.style import house_style
 from plymotion.solver.results import write_result, write_summary

@@ -11,7 +11,7 @@ from samples.case_samples import case_runs, run_case
 from plymotion.solver.__main__ import main
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.case.load import load_case
-from plymotion.solver.report import make_report
+from plymotion.solver.report.report_page import make_report
 from plymotion.solver.results import read_result
 from plymotion.solver.run.execution import read_run
 from plymotion.solver.strength.fatigue import (
