@@ -225,11 +225,19 @@ def test_meshes_that_are_no_section(tmp_path):
     write(tmp_path / "solid.vtu", [("hexahedron", np.arange(8)[None])], points=cube)
     (tmp_path / "broken.vtu").write_text("<VTKFile")
     (tmp_path / "two.xyz").write_text("")
+    bulk = "CEND\nBEGIN BULK\nGRID,1,,0.,0.,0.\n"  # meshio never returned
+    (tmp_path / "cut.bdf").write_text(bulk)
+    deck = "*NODE\n1,0.,0.\n2,1.,0.\n3,1.,1.\n*ELEMENT, TYPE=CPS3\n1,1,2,3\n"
+    (tmp_path / "short.inp").write_text(deck + "*ELEMENT, TYPE=CPS3\n")
+    (tmp_path / "set.inp").write_text(deck.replace("CPS3", "CPS3, ELSET"))
     for file, expected in {
         "lifted.vtu": "third coordinates from 0 to 1: expected a flat mesh",
         "mixed.vtu": r"cells of several types \(1 quad, 1 triangle\)",
         "solid.vtu": "its cells are of type hexahedron, expected plane cells",
         "broken.vtu": "meshio cannot read it",
+        "cut.bdf": "meshio cannot read it: expected the lines BEGIN BULK and ENDDATA",
+        "short.inp": "meshio cannot read it: nodes of its cells of type triangle are missing",
+        "set.inp": "meshio cannot read it: one of its sets has no name",
         "two.xyz": "meshio cannot read it: Could not deduce",
     }.items():
         description = describe(tmp_path, file, "left", "right")

@@ -78,7 +78,7 @@ def test_lines_ascend_to_one(name: str) -> None:
         ("two-cell", {"web_position": 0.03}, r"^web_position = 0.03: .*from -0.0235 to 0.0235"),
         ("i", {"wall_web": 0.1}, r"^wall_web = 0.1: expected less than top_width, 0.1 \[m\]"),
         ("channel", {"bottom_width": 0.001}, r"^wall_web = 0.0015: .*less than bottom_width"),
-        ("rectangle", {"height": 1e-9}, r"^height = 1e-09: expected at least 5e-07 of width.*unit"),
+        ("rectangle", {"height": 1e-9}, r"^height = 1e-09: expected at least 1e-06 of width.*unit"),
         ("tube", {"wall": 0.1}, r"^wall = 0.1: expected below the outer radius, 0.1 \[m\]"),
         ("tube", {"wall": None}, r"^wall: missing, expected the thickness \[m\]"),
         ("rectangle", {"elements_2": 2.5}, r"^elements_2 = 2.5: expected a whole number from 1"),

@@ -122,6 +122,8 @@ _TURNED = {
 }
 _PLANE = (*_TURNED, "quad8")
 _LINES = ("line", "line3")
+_CORNERS = {"line": 2, "triangle": 3, "quad": 4, "tetra": 4, "hexahedron": 8}
+_BULK_DATA = (".bdf", ".fem", ".nas")
 FLAT = 1e-9  # of the size of the mesh
 
 
@@ -200,10 +202,29 @@ def read_mesh(file: Path, where: str) -> Any:
     said = io.StringIO()  # meshio prints the reason and exits the interpreter
     try:
         with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
-            return meshio.read(file)
+            if file.suffix.lower() in _BULK_DATA:  # meshio reads on for ever at its end
+                bulk = file.read_text("utf-8", "replace").partition("BEGIN BULK")[2]
+                if "\nENDDATA" not in bulk:
+                    raise ValueError("expected the lines BEGIN BULK and ENDDATA")
+            mesh = meshio.read(file)
+            _check_nodes(mesh)
+            return mesh
     except (Exception, SystemExit) as error:  # its readers raise all kinds of errors
         reason = " ".join(said.getvalue().split()) or str(error) or type(error).__name__
         raise InputError(f"{where}: meshio cannot read it: {reason}") from error
+
+
+def _check_nodes(mesh: Any) -> None:
+    """Raise ValueError for cells without all of their nodes, and sets without a name."""
+    mesh.points = np.asarray(mesh.points, float)
+    for block in mesh.cells:
+        shape = block.type.rstrip("0123456789")
+        width = int(block.type[len(shape) :] or _CORNERS.get(shape, 0))
+        whole = np.shape(block.data)[1:] == (width,) or shape not in _CORNERS
+        if not whole or not np.isin(block.data, np.arange(len(mesh.points))).all():
+            raise ValueError(f"nodes of its cells of type {block.type} are missing")
+    if not all(isinstance(name, str) for name in (*mesh.cell_sets, *mesh.point_sets)):
+        raise ValueError("one of its sets has no name")
 
 
 def _lines(mesh: Any, where: str) -> tuple[list[int], IntArray]:

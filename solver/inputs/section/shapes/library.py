@@ -19,7 +19,7 @@ SHAPES = by_name(
     [(s.name, s) for s in sorted(_found, key=lambda shape: (shape.order, shape.name))], "shape"
 )
 
-THINNEST = 5e-7  # of the largest size; gmsh merges points at 1e-8 of the size of a script
+THINNEST = 1e-6  # of the largest size; gmsh merges points at 1e-8 of the size of a script
 
 
 def shape(name: str) -> Shape:
