@@ -44,7 +44,7 @@ interfaces.root = {{ nodes = [1], link = "average" }}
 interfaces.tip = {{ nodes = [2], link = "average" }}
 [files]
 {source} = "arm.{source}"
-{more}
+masses = "arm_masses.csv"
 """
 # Reads changed copies one after the other; tells the one that it is at.
 READING = """
@@ -77,9 +77,12 @@ def sources(tmp_path_factory):
     for source in ("uff", "med"):
         (folder / source).mkdir()
         exported(package, source, folder / source / f"arm.{source}")
-        more = 'masses = "arm_masses.csv"' if source == "uff" else ""
-        text = TABLE.format(source=source, more=more)
+        text = TABLE.format(source=source)
         (folder / source / "arm.toml").write_text(text)
+    shutil.copy(folder / "uff/arm_masses.csv", folder / "med")
+    for source in ("uff", "med"):  # otherwise no change would reach its reader
+        words = ["import", str(folder / source / "arm.toml"), "--out", str(folder / "o.vtkhdf")]
+        assert exchange([*words, "--quiet"]) == 0
     return {
         folder / "matrices": ["K.mtx", "M.mtx", "nodes.csv", "dofs.csv", "cells.csv"],
         folder / "uff": ["arm.uff", "arm_masses.csv"],
