@@ -122,6 +122,15 @@ def wrong(change) -> dict:
             "anchors.cap-s.end_nd_arc: expected numbers in grid and values, or a rule",
         ),
         (lambda b, t: t["airfoils"][1].pop("rthick"), "airfoils.thin.rthick: missing"),
+        (lambda b, t: t["airfoils"][1].update(rthick=240.0), "240, but its coordinates are 0.23"),
+        (
+            lambda b, t: t["airfoils"][1]["coordinates"]["x"].__setitem__(20, 0.0),
+            "airfoils.thin.coordinates: point 21, (0, 0.0",
+        ),
+        (
+            lambda b, t: b["structure"]["layers"][0]["thickness"]["values"].__setitem__(0, False),
+            "structure.layers[0].thickness.values: has ",
+        ),
         (
             lambda b, t: t["airfoils"][1]["coordinates"].update(x=[0.1] * 119),
             "expected points over the chord, from the trailing edge",

@@ -17,6 +17,9 @@ POINTS = 400  # of a contour
 SAME = 6  # digits in which thicknesses of airfoils are equal
 THICKEST = 1.05  # over the chord: a round root has 1
 FARTHEST = 100.0  # [smallest chord] of the reference axis from the section
+UNLIKE = 0.2  # of the chord: airfoils of 8 turbines are as thick as their rthick within 0.005
+SHARPEST = -0.5  # cosine of the turn of an outline at a point; theirs turn by 33 deg at most
+REAR = 0.9  # of the chord: the trailing edge, which is sharp, lies behind
 TURNED = 90.0  # [deg] twist that no section of a rotor has
 
 
@@ -157,8 +160,11 @@ def _airfoils(tables: Tables, top: Table, shape: Table) -> tuple[Airfoil, ...]:
         at = f"airfoils.{name}"
         xy = tables.table(known[name], f"{at}.coordinates")
         x, y = (tables.numbers(xy, f"{at}.coordinates.{key}") for key in "xy")
-        points = _ordered(tables, at, x, y)
         (size,) = tables.numbers(known[name], f"{at}.rthick", 1)
+        points = _ordered(tables, at, x, y)
+        if abs(np.ptp(y) - size) > UNLIKE:
+            message = f"{size:g}, but its coordinates are {np.ptp(y):g} thick"
+            raise tables.error(f"{at}.rthick", f"{message}; expected shares of the chord")
         airfoils.append(
             Airfoil(name, round(float(size), SAME), points, tuple(sorted(places[name])))
         )
@@ -188,6 +194,14 @@ def _ordered(tables: Tables, path: str, x: Array, y: Array) -> Array:
             "trailing edge (x = 1) over one side to the leading edge (x = 0) and back",
         )
     points = np.column_stack([x, y])
+    step = np.diff(points, axis=0)
+    size = np.linalg.norm(step, axis=1)
+    sharp = np.sum(step[1:] * step[:-1], axis=1) < SHARPEST * size[1:] * size[:-1]
+    for k in 1 + np.flatnonzero(sharp & (x[1:-1] < REAR)):
+        message = (
+            f"point {k + 1}, ({x[k]:g}, {y[k]:g}): the outline turns back; expected a smooth one"
+        )
+        raise tables.error(path, message)
     upper, lower = np.trapezoid(y[nose::-1], x[nose::-1]), np.trapezoid(y[nose:], x[nose:])
     return points if upper >= lower else points[::-1]
 

@@ -114,6 +114,8 @@ class Tables:
             raise self.error(path, "missing; expected numbers")
         wanted = "numbers" if count is None else f"{count} numbers" if count > 1 else "a number"
         try:
+            if any(isinstance(v, bool) for v in (value if isinstance(value, list) else [value])):
+                raise TypeError
             values = np.array(value if count != 1 else [value], dtype=float)
         except (TypeError, ValueError, OverflowError):
             values = np.array(np.nan)
