@@ -7,7 +7,7 @@ import signal
 import subprocess
 import sys
 import uuid
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +20,7 @@ from plymotion.solver.errors import InputError
 from plymotion.solver.package.section.section_file import read_section
 from plymotion.solver.workers import interpreter
 from plymotion.solver.workers.interpreter import find_interpreter
+from plymotion.solver.workers.launch import kept_preprocessors
 
 BAR = """
 format = 1
@@ -99,8 +100,10 @@ def process(folder: Path, *arguments: str | Path, **environment: str) -> Done:
 
 
 @pytest.fixture
-def run(folder: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> Run:
-    """The command in this process; the FEniCSx side is a process all the same."""
+def run(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> Iterator[Run]:
+    """The command in this process; the FEniCSx side is one process for the runs of a test."""
     monkeypatch.chdir(folder)
 
     def done(*arguments: str | Path, **environment: str) -> Done:
@@ -111,7 +114,8 @@ def run(folder: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixt
             code = main(["section", *map(str, arguments)])
         return Done(arguments, code, *capfd.readouterr())
 
-    return done
+    with kept_preprocessors():
+        yield done
 
 
 def test_one_section_from_text_to_files(folder: Path, run: Run) -> None:
