@@ -145,6 +145,7 @@ def sensitivity_page(result: RunResult) -> str:
     runs = [
         {"name": key, "title": key, "stopped": False, "scene": None, "worst": []}
         | histories(blob, replace(result, signals=tuple(of_key)), HISTORIES // len(lines))
+        | {"energies": []}  # a parameter has none
         for key, of_key in lines.items()
     ]
     words = f"<p>Value times derivative of each signal, the {LINES} most effective parameters</p>"

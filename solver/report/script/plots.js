@@ -76,8 +76,10 @@ function setUpPlots() {
   const balances = element('div', { class: 'balances' });
   const choice = element('select', { id: 'balance-run', onchange: () => showBalances(balances, page.runs[choice.selectedIndex]) });
   choice.append(...page.runs.map((run) => element('option', {}, run.title)));
-  list.append(element('p', { class: 'choice' }, element('label', { for: 'balance-run' }, 'Verification of '), choice), balances);
-  showBalances(balances, page.runs[0]);
+  if (page.runs[0].energies.length) {
+    list.append(element('p', { class: 'choice' }, element('label', { for: 'balance-run' }, 'Verification of '), choice), balances);
+    showBalances(balances, page.runs[0]);
+  }
   fitCharts();
 }
 
