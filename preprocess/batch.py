@@ -13,10 +13,9 @@ import time
 import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
-
-from ..solver.math.records import dataclass
 
 USER_ERROR = 2
 

@@ -3,11 +3,11 @@
 import copy
 import re
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 from ..solver.errors import did_you_mean, few
 from ..solver.math.arrays import Array
-from ..solver.math.records import dataclass, replace
 from ..solver.package.common.design import PLACES, TWO_PLACES, difference
 from ..solver.package.common.plain_data import expected
 from ..solver.package.specification import DesignTarget

@@ -1,11 +1,11 @@
 """Modal package of a beam from the 6x6 matrices of its section."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ...solver.math.arrays import Array, IntArray
-from ...solver.math.records import dataclass, replace
 from ...solver.package.body.invariants import MOST_MODES, second_order_from_stations
 from ...solver.package.body.package_schema import Interface, ModalPackage, SectionData
 from ...solver.package.common.cells import node_positions

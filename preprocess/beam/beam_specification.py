@@ -1,6 +1,7 @@
 """Specification of a beam body, and the modes of a body specification."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
@@ -8,7 +9,6 @@ import numpy as np
 
 from ...solver.errors import did_you_mean, few
 from ...solver.math.arrays import Array
-from ...solver.math.records import dataclass
 from ...solver.package.body.invariants import rigid_motions
 from ...solver.package.common.plain_data import SpecError, check_form, expected
 from ...solver.package.specification import DIRECTIONS, BeamSpecification, LineTable, ReferenceTable

@@ -1,11 +1,11 @@
 """Mass of a beam as stations and as point masses: positions and motion in the modes."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass, fields
 
 import numpy as np
 
 from ...solver.math.arrays import Array, IntArray
-from ...solver.math.records import dataclass, fields
 from ...solver.math.rotations import skew
 from ...solver.package.body.invariants import from_stations
 from ...solver.package.body.package_schema import Invariants

@@ -21,13 +21,13 @@ It includes every coupling of K. There is no locking, because shear and curvatur
 not interpolated separately.
 """
 
+from dataclasses import dataclass
 from functools import cache, cached_property
 from typing import Any
 
 import numpy as np
 
 from ...solver.math.arrays import Array
-from ...solver.math.records import dataclass
 
 # Effect of section rotation on deflection: u2' contains f3, u3' contains -f2.
 Z = np.zeros((6, 6))

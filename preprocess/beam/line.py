@@ -7,13 +7,13 @@ in this frame, x3 = x cross x2.
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sp
 
 from ...solver.math.arrays import Array, IntArray
-from ...solver.math.records import dataclass, field
 from ...solver.math.rotations import skew
 from .element import BeamElement
 

@@ -43,10 +43,11 @@ Written as q' (.) q / 2, a field is a table symmetric in two modes. A rigid moti
 that the displacement fulfils the reference condition to second order too.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from ...solver.math.arrays import Array, IntArray
-from ...solver.math.records import dataclass
 from ...solver.package.body.invariants import rigid_motions
 from ...solver.package.body.package_schema import BodyRecovery
 from .beam_stations import PointMasses, station_places

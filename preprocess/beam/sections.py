@@ -1,13 +1,13 @@
 """Sections along a beam: analysed or given at stations, linear between them; beam theories."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 
 from ...solver.math.arrays import Array
 from ...solver.math.laws import lengths_along
-from ...solver.math.records import dataclass, replace
 from ...solver.package.body.package_schema import SectionData
 from ...solver.package.common.plain_data import SpecError
 from ...solver.package.common.recovery_schema import SectionRecovery

@@ -6,6 +6,7 @@ source is repeated: it has the same mean strains up to terms that vanish with it
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,7 +14,6 @@ import scipy.sparse as sp
 
 from ...solver.errors import InputError
 from ...solver.math.arrays import Array, IntArray
-from ...solver.math.records import dataclass, field, replace
 from ...solver.package.body.invariants import rigid_motions
 from ...solver.package.body.package_schema import CellResultants, LaminateData
 from ...solver.package.common.materials import MaterialError, material_from_dict

@@ -5,6 +5,7 @@ all shares are positive, also those of the corners of a face with nodes on its s
 """
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, NamedTuple, Protocol
 
@@ -13,7 +14,6 @@ import scipy.sparse as sp
 
 from ...solver.errors import InputError, nearest
 from ...solver.math.arrays import Array, IntArray
-from ...solver.math.records import dataclass
 from ...solver.math.rotations import vector_to_matrix
 from ...solver.package.body.invariants import rigid_motions
 from ...solver.package.common.cells import SOLID_FACES, corners_of

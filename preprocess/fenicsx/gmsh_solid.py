@@ -3,6 +3,7 @@
 import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +11,6 @@ import numpy as np
 
 from ...solver.errors import few
 from ...solver.math.arrays import Array, IntArray
-from ...solver.math.records import dataclass
 from ...solver.package.specification import CAD, CAD_WITH_UNIT
 from .gmsh_alone import allow, define, read
 from .gmsh_surface import all_found, check_count, check_mesh, curves, gmsh_session, opened, physical

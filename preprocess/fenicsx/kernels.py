@@ -23,6 +23,7 @@ import subprocess
 import sysconfig
 import tempfile
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -33,7 +34,6 @@ import ufl
 from ...solver.errors import COMPILER
 from ...solver.math.arrays import Array
 from ...solver.math.disk_cache import DiskCache
-from ...solver.math.records import dataclass
 from .plain import NODES, order_of_nodes, reference_nodes
 from .spaces import JIT, JIT_OPTIONS, element_of, quiet
 from .stack import HELP, MPI, MissingFenicsx, dolfinx

@@ -2,13 +2,13 @@
 
 Basix gives points of integration, nodes and functions of the reference cells."""
 
+from dataclasses import dataclass, field
 from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ...solver.math.arrays import Array, IntArray
-from ...solver.math.records import dataclass, field
 from . import stack
 
 # Ends of the edges of a cell, counter-clockwise.

@@ -1,10 +1,11 @@
 """Report on a lay-up: symmetric, balanced, engineering constants."""
 
+from dataclasses import dataclass, replace
+
 import numpy as np
 
 from ...solver.errors import coded
 from ...solver.math.arrays import Array
-from ...solver.math.records import dataclass, replace
 from .stiffness import Lamina, Laminate, ShearCorrection, laminate_stiffness, shear_factors
 
 SAME = 1e-9  # tolerance of thicknesses (relative) and of angles [deg]

@@ -20,6 +20,7 @@ With factors, Ds_ij = sqrt(k_i k_j) sum G_ij H_1.
 import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
@@ -27,7 +28,6 @@ import numpy as np
 
 from ...solver.errors import did_you_mean
 from ...solver.math.arrays import Array
-from ...solver.math.records import dataclass
 from ...solver.package.common.materials import Orthotropic, bond, ply_rotation, rotated
 from ...solver.package.shell.plies import PLANE, faces, moments
 

@@ -11,13 +11,13 @@ their space. Both are fixed here, so that repeated builds give the same package:
 """
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 import scipy.linalg
 
 from ...solver.math.arrays import Array, IntArray
-from ...solver.math.records import dataclass
 from .reference import Condition, EigenSolver, ModeError
 
 # Component (of ux uy uz rx ry rz) that determines name and sign of the mode.

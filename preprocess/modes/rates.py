@@ -12,13 +12,13 @@ eigenmodes and static shapes that the package has, orthonormal again to first or
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import scipy.linalg
 
 from ...solver.math.arrays import Array, IntArray
-from ...solver.math.records import dataclass
 from .eigenmodes import COINCIDENT
 from .reduced import Modes
 from .reference import Condition, ModeError

@@ -14,6 +14,7 @@ differences of large numbers in x' K x.
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -21,7 +22,6 @@ import scipy.linalg
 
 from ...solver.errors import coded, few
 from ...solver.math.arrays import Array, IntArray
-from ...solver.math.records import dataclass
 from ...solver.package.specification import DIRECTIONS
 from .eigenmodes import (
     SPARE,

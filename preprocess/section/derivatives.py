@@ -13,11 +13,11 @@ rates leave in the equations as loads.
 """
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from ...solver.math.arrays import Array, IntArray
-from ...solver.math.records import dataclass
 from .helical import CentralSolutions, Equations, TwistedStrains, change_of_resultants, flat
 from .recovery import Result, middles, nodal_displacements, unit_displacements
 from .section_parameters import TURN, TURNING, Rates

@@ -7,13 +7,13 @@ is 0.54 at a corner of 270 deg, and tends to 0 where stiff and soft quarters mee
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import scipy.linalg as la
 from numpy.typing import NDArray
 
 from ...solver.math.arrays import Array, IntArray
-from ...solver.math.records import dataclass
 from ...solver.package.common.materials import rotated
 from ..fenicsx import EDGES
 from .recovery import Result, unit_strains

@@ -5,6 +5,7 @@ space/strains.py. DOLFINx evaluates G_k at the points, as the 6x9 matrix S of (w
 """
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any
 
@@ -14,7 +15,6 @@ from scipy.linalg import null_space
 from ufl import SpatialCoordinate
 
 from ...solver.math.arrays import REGULAR, Array, is_positive_definite
-from ...solver.math.records import dataclass
 from ...solver.math.rotations import skew
 from .. import fenicsx
 from .section_specification import IllConditioned, SectionError

@@ -7,6 +7,7 @@ quotient. Derivatives are differences of analyses of meshes that move along thes
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -14,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...solver.math.arrays import Array, IntArray
-from ...solver.math.records import dataclass, replace
 from ...solver.package.common.dataset import all_values
 from ...solver.package.common.design import PLACES, differenced
 from ...solver.package.common.materials import bond, elastic_from_dict

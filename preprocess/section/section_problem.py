@@ -5,13 +5,13 @@ more, whose difference is the estimate.
 """
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
 from ...solver.math.arrays import Array
-from ...solver.math.records import dataclass, replace
 from .. import fenicsx
 from .estimate import (
     REGULAR,

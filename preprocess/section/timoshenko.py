@@ -11,12 +11,12 @@ warping. Paper: Eq. (37), Eq. (38).
 """
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
 
 from ...solver.math.arrays import Array, is_positive_definite
-from ...solver.math.records import dataclass
 from .section_specification import IllConditioned, SectionError
 from .space.space import SectionSpace
 from .warping import WarpingSolver, check_origin, motions_of_beam

@@ -4,13 +4,13 @@ Sides run around a cell, from corner k to the next. Warped quadrilaterals are th
 of their mean plane. The formulas of the elements do not depend on the direction of the
 corners about e3, so a region may reverse its normals."""
 
+from dataclasses import dataclass, fields
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...solver.math.arrays import Array, IntArray
-from ...solver.math.records import dataclass, fields
 from ...solver.package.common.cells import NONE, area_vectors, corner_counts, sides
 
 DOFS = 6  # of a node: ux uy uz rx ry rz

@@ -6,6 +6,7 @@ Nodes and cells keep the numbering of the mesh file.
 import hashlib
 import json
 from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any
@@ -14,7 +15,6 @@ import numpy as np
 
 from ...solver.errors import did_you_mean
 from ...solver.math.arrays import Array, IntArray
-from ...solver.math.records import dataclass, replace
 from ...solver.package.common import cells as tables
 from ...solver.package.common.plain_data import canonical
 from .. import fenicsx

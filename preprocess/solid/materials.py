@@ -1,13 +1,13 @@
 """Stiffness and density of the cells of a solid, and the axes of its materials."""
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from ...solver.errors import few, nearest
 from ...solver.math.arrays import Array, IntArray
-from ...solver.math.records import dataclass
 from ...solver.package.common.materials import material_from_dict, rotated
 from .places import unit
 from .solid_mesh import SolidError, SolidMesh

@@ -4,6 +4,7 @@ Cells are tetrahedra of 10 and hexahedra of 27 nodes in gmsh's order."""
 
 import signal
 from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, cast
@@ -12,7 +13,6 @@ import numpy as np
 
 from ...solver.errors import few
 from ...solver.math.arrays import Array, IntArray
-from ...solver.math.records import dataclass, replace
 from ...solver.package.specification import CAD_WITH_UNIT
 from .. import fenicsx
 from ..fenicsx import PlainMesh

@@ -1,5 +1,6 @@
 """Rank of the constraints along a run: the smallest singular value that counts, and its minimum."""
 
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -18,7 +19,6 @@ from ..dynamics.model.model import Model, Workspace, new_workspace
 from ..integrators.generic.base import Dense, Integrator
 from ..math.arrays import Array, IntArray
 from ..math.compiled import inlined, lean, structure
-from ..math.records import dataclass
 
 LOW, HIGH = 0, 1  # entries of `limits`
 

@@ -1,6 +1,7 @@
 """A finished run as the checks see it."""
 
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -13,7 +14,6 @@ from ..dynamics.elements.constraints.treatment import Treatment
 from ..dynamics.model.model import Model
 from ..integrators.generic.drive import Solution, Steps
 from ..math.arrays import Array, IntArray, distinct
-from ..math.records import dataclass, field
 from ..math.rows import spans
 from ..mechanism.built import BuiltMechanism
 from ..package import ModalPackage

@@ -1,10 +1,10 @@
 """All monitors of a run as one."""
 
 from collections.abc import Callable
+from dataclasses import dataclass, field
 
 from ..integrators.generic.drive import Steps, StopRequest
 from ..math.arrays import Array
-from ..math.records import dataclass, field
 from .finished import StepSizes
 from .singularity import SingularityMonitor
 from .stability import BucklingMonitor, SpinMonitor

@@ -7,6 +7,7 @@ follows its own rounding instead, often with the energy kept: no other check det
 """
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from functools import partial
 
 import numpy as np
@@ -18,7 +19,6 @@ from ..dynamics.model.model import Model
 from ..errors import few
 from ..integrators.generic.drive import MOST_NOTED, Steps, StopRequest
 from ..math.arrays import Array
-from ..math.records import dataclass, field
 from ..results.codes import BRANCH, ENERGY_JUMP, SINGULAR, SINGULAR_PASSED, Finding
 from ..results.run_result import ROUNDING
 from .constraint_rank import NEAR, ConstraintRank, Rank, new_observation, note, observe

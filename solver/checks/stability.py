@@ -6,6 +6,7 @@ inertia loads and weight (Z0, Z1, G3), and of the forces and moments at its mark
 """
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
@@ -19,7 +20,6 @@ from ..dynamics.model.model import GROUND, Model, modal_matrix
 from ..integrators.generic.base import Dense
 from ..integrators.generic.drive import Steps, StopRequest
 from ..math.arrays import Array, IntArray
-from ..math.records import dataclass, field
 from ..math.rotations import rotation_matrices, skew
 from ..results.codes import BUCKLING, BUCKLING_LOAD, MATTERS, SPIN, Finding
 

@@ -9,13 +9,13 @@ Curves are laws of another argument that go on beyond both ends.
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
+from dataclasses import dataclass, field
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
 from .arrays import Array, IntArray
 from .compiled import jit
-from .records import dataclass, field
 
 Numbers = Sequence[float] | Array
 Pieces = Literal["linear", "pchip", "spline"]

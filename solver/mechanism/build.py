@@ -19,6 +19,7 @@ iteration diverges. The force between the body and the virtual body is an unknow
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from itertools import compress
 from math import ceil
 from typing import TYPE_CHECKING
@@ -29,7 +30,6 @@ from ..dynamics.model.model import GROUND, Model
 from ..errors import InputError, nearest
 from ..inputs.case.expressions import joint_starts
 from ..math.arrays import Array
-from ..math.records import dataclass, field, replace
 from ..math.rotations import matrix_to_parameters, vector_to_matrix
 from ..package import ModalPackage
 from ..package.body.selection import rigid, selected

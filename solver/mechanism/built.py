@@ -1,11 +1,11 @@
 """A built mechanism: its model with names, its joints, and its start."""
 
 from collections.abc import Callable
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from ..dynamics.model.model import Model
 from ..math.arrays import Array
-from ..math.records import dataclass, field
 from ..package.body.package_schema import Interface, ModalPackage
 
 

@@ -3,6 +3,7 @@
 Mechanisms that their joints lock are refused: drives that cannot move, nearly movable closed loops.
 """
 
+from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
@@ -24,7 +25,6 @@ from ..dynamics.model.coordinates import moved
 from ..dynamics.model.model import Model, modal_matrix
 from ..errors import InputError, few
 from ..math.arrays import Array
-from ..math.records import dataclass
 from ..results.codes import REDUNDANT, SINGULAR_START, Finding
 from .built import Start
 from .tolerances import (

@@ -1,6 +1,7 @@
 """Readable tables of bodies, markers, joints, force elements and of what expressions read."""
 
 from collections.abc import Hashable, Sequence
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
@@ -10,7 +11,6 @@ from ..dynamics.model.model import ANGLE, N_POLAR, N_ROTOR, N_SHAPE, Quantities,
 from ..math.arrays import Array, IntArray
 from ..math.expressions.program import Node, new_stack, programs
 from ..math.laws import Law
-from ..math.records import dataclass, field
 from ..package.body.package_schema import Invariants, ModalPackage, SecondOrder
 
 

@@ -3,13 +3,13 @@
 import hashlib
 import re
 from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from ..errors import InputError, nearest
 from ..math.disk_cache import file_sha256
-from ..math.records import dataclass, field, replace
 from ..package.common.files import kept_table
 from ..results import ResultError, RunResult, Signal, Summary, read_result, read_summary
 

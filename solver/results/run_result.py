@@ -11,6 +11,7 @@ modal coordinates alone; no field is stored for each time.
 """
 
 from collections.abc import Callable
+from dataclasses import dataclass, field
 from functools import cached_property, partial
 from typing import Annotated, Any
 
@@ -18,7 +19,6 @@ import numpy as np
 
 from ..errors import InputError
 from ..math.arrays import Array, IntArray
-from ..math.records import dataclass, field
 from ..package.common.dataset import Data, Nested
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from copy import copy
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -22,7 +23,6 @@ from ..integrators.radau import Radau
 from ..integrators.table import INTEGRATORS
 from ..math.arrays import Array
 from ..math.laws import N_COEFFICIENT
-from ..math.records import dataclass
 from ..mechanism.built import BuiltMechanism
 from ..mechanism.consistent import described_gaps
 from ..signals import recorded

@@ -3,11 +3,11 @@
 import hashlib
 import json
 from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..inputs.case.record import package_entries, solver_sha256
-from ..math.records import dataclass, field, replace
 from ..package import ModalPackage
 from ..package.common.design import moved
 from ..package.common.files import has_right_seal

@@ -1,6 +1,7 @@
 """A mechanism ready to be integrated (model, start, monitors, sensors), and its integration."""
 
 from collections.abc import Callable, Container, Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -23,7 +24,6 @@ from ..integrators.generic.advice import Stall
 from ..integrators.generic.drive import Solution, Watch, integrate
 from ..integrators.table import treatment_of
 from ..math.arrays import Array
-from ..math.records import dataclass, field, replace
 from ..mechanism.assembly import treated
 from ..mechanism.build import build, used_packages
 from ..mechanism.built import BuiltMechanism

@@ -1,13 +1,13 @@
 """What the search for the lowest strength ratio of a body found, for summary, report, warnings."""
 
 from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..math.arrays import Array
-from ..math.records import asdict, dataclass
 from ..package.common.materials import PlyStrength, YieldStrength
 from ..package.common.recovery_schema import STRESSES, Ply
 from . import Criterion, criteria_of

@@ -3,6 +3,7 @@
 import json
 import time
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -10,7 +11,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from ..errors import InputError, PackageError, few
 from ..inputs.case.messages import ERRORS, out_of_range
 from ..math.compiled import tell_if_slow
-from ..math.records import dataclass, field
 from ..package.common.files import refuse_foreign
 from ..results import RunResult, Summary
 from ..results.summary import damping_lines, invalid_words

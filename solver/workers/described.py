@@ -2,11 +2,11 @@
 
 import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 
 from ..errors import InputError
-from ..math.records import dataclass, field
 from ..package.common.files import refuse_foreign, temporary_sibling
 from ..package.common.plain_data import by_mesh, mesh_key
 from .executors import Executor, Local

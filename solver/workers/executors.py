@@ -17,6 +17,7 @@ from concurrent.futures import (
 )
 from concurrent.futures import Executor as PoolExecutor
 from contextlib import contextmanager, nullcontext, suppress
+from dataclasses import dataclass
 from functools import partial
 from multiprocessing.connection import Connection
 from pathlib import Path
@@ -25,7 +26,6 @@ from types import ModuleType
 from typing import Any, Protocol
 
 from ..errors import InputError
-from ..math.records import dataclass
 from ..system.interrupts import ignore, shielded, stop_requested
 from ..system.platform import context, processes
 

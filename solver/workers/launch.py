@@ -11,6 +11,7 @@ import threading
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any, NotRequired, TypedDict, cast
@@ -19,7 +20,6 @@ import plymotion
 
 from ..errors import InputError
 from ..inputs.common.mesh_files import are_refused, content_sha256
-from ..math.records import dataclass
 from ..system.platform import end, link_or_copy, own_group
 from .executors import Executor, Local, Task, distribute
 from .interpreter import LAUNCHER, find_interpreter

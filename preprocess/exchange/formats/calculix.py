@@ -8,6 +8,7 @@ values at the former are those of the middle surface.
 """
 
 from collections.abc import Iterator
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +16,6 @@ import scipy.sparse as sp
 
 from ....solver.errors import InputError
 from ....solver.math.arrays import Array, IntArray
-from ....solver.math.records import dataclass, field
 from ..free_body import Cells, FreeBody, free_body, rows_of
 from ..import_table import Files, text_lines
 from ..imported_interfaces import SHARES, face_area

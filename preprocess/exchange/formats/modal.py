@@ -4,13 +4,13 @@ Computed modes without matrices, and measured ones, take the same way: shapes at
 the nodes, and corrections that make the shapes orthonormal in these masses.
 """
 
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 
 from ....solver.errors import InputError, nearest
 from ....solver.math.arrays import Array, IntArray
-from ....solver.math.records import dataclass, field, replace
 from ....solver.package import ModalPackage
 from ....solver.package.body.measured import Measurement, experimental_package
 from ....solver.package.common.files import write_text

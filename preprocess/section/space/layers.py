@@ -1,6 +1,7 @@
 """Ply and ply axes of each point of a section, along curves of the mesh."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -9,7 +10,6 @@ from numpy.typing import NDArray
 
 from ....solver.errors import coded, did_you_mean, few
 from ....solver.math.arrays import Array
-from ....solver.math.records import dataclass, replace
 from ....solver.package.common.materials import Anisotropic, Orthotropic, bond, elastic_from_dict
 from ....solver.package.common.recovery_schema import Ply
 from ..section_specification import OF_MESH, SectionError

@@ -4,6 +4,7 @@ Of the nodes of continuous Lagrange functions, corners come first, then the node
 those inside cells.
 """
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,6 @@ from numpy.typing import NDArray
 from ufl import JacobianDeterminant, SpatialCoordinate, as_vector
 
 from ....solver.math.arrays import Array
-from ....solver.math.records import dataclass
 from ... import fenicsx
 from ...fenicsx import EDGES, NODES
 from .section_cells import CORNERS, FULL, KINDS, CellMesh, IntArray, filling, full_basis, patterns

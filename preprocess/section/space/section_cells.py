@@ -4,13 +4,13 @@ A refined cell is divided into four. Corners of small cells may hang on edges of
 """
 
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ....solver.math.arrays import Array
-from ....solver.math.records import dataclass, field, replace
 from ... import fenicsx
 from ...fenicsx import EDGES, NODES, PlainMesh
 

@@ -7,6 +7,7 @@ a script of the library (meshes/), from a gmsh script or mesh of the user, or as
 import hashlib
 import json
 from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -14,7 +15,6 @@ from typing import Any
 import numpy as np
 
 from ....solver.math.arrays import Array
-from ....solver.math.records import dataclass, replace
 from ....solver.package.common.plain_data import canonical
 from ... import fenicsx
 from ...fenicsx import PlainMesh

@@ -5,12 +5,12 @@ kinds of link: kind "average" of the package. An interface at another position h
 there, without cells and mass. The same holds for the two ends of a chord."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
 from ....solver.math.arrays import Array, IntArray
-from ....solver.math.records import dataclass
 from ....solver.math.rotations import vector_to_matrix
 from ....solver.package.body.package_schema import Interface
 from ....solver.package.common.plain_data import check_form

@@ -4,12 +4,12 @@ Modes are computed in the independent degrees of freedom: six of each node that 
 interface, and six of the reference point of each rigid interface.
 """
 
+from dataclasses import dataclass
 from functools import cached_property, partial
 
 import numpy as np
 
 from ....solver.math.arrays import Array, IntArray
-from ....solver.math.records import dataclass
 from ....solver.package.common.plain_data import SpecError, expected
 from ... import fenicsx
 from ...modes.reduced import StaticLoad, accelerations

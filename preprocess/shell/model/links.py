@@ -28,13 +28,13 @@ the point's loads do the work of the nodal forces.
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from ....solver.errors import did_you_mean
 from ....solver.math.arrays import Array, IntArray
-from ....solver.math.records import dataclass
 from ....solver.package.specification import SHELL_LINK_KINDS
 from ..groups import Group, united, vector
 from ..shell_cells import DOFS, ShellError

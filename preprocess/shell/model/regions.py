@@ -5,13 +5,13 @@ quadrilaterals gives two regions of one name.
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from ....solver.errors import did_you_mean, few
 from ....solver.math.arrays import Array, IntArray
-from ....solver.math.records import dataclass, replace
 from ....solver.package.common.cells import NONE, corner_counts
 from ....solver.package.common.materials import Orthotropic, material_from_dict
 from ... import fenicsx

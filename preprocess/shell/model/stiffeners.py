@@ -10,6 +10,7 @@ The elements are those of beam bodies, exact under end forces for any 6x6 stiffn
 
 import json
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import Any
 
@@ -19,7 +20,6 @@ from scipy.sparse.csgraph import connected_components
 
 from ....solver.errors import few
 from ....solver.math.arrays import REGULAR, Array, IntArray, smallest_eigenvalue
-from ....solver.math.records import dataclass
 from ....solver.package.common.plain_data import canonical
 from ...beam.line import BeamLine, LineSection
 from ..elements.pairs import Choice, stiffness_kernel

@@ -12,12 +12,12 @@ a flexible body its modal coordinates as well.
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from ...errors import InputError
 from ...math.arrays import Array
-from ...math.records import dataclass
 from ...math.rotations import matrix_to_parameters, matrix_to_vector, rotation_matrix
 from ...math.rotations import vector_to_matrix as turn
 from ..elements.floating_frame import evaluate_bodies

@@ -1,6 +1,7 @@
 """Blade sections in the wind from a windIO file: strips of the blade, polars by thickness."""
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -8,7 +9,6 @@ from scipy.interpolate import PchipInterpolator
 
 from ...math.arrays import Array
 from ...math.laws import lengths_along
-from ...math.records import dataclass
 from .shape import blended
 from .tables import Tables
 from .windio import Blade

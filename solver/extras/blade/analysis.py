@@ -2,6 +2,7 @@
 
 import logging
 from collections.abc import Callable, Container, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +10,6 @@ import numpy as np
 from ...errors import InputError
 from ...inputs.case.record import CASE_FILE
 from ...math.laws import lengths_along
-from ...math.records import dataclass, field
 from ...package.common.files import refuse_foreign, write_text
 from .layers import StationMesh, with_face
 from .operation import AERO, OPERATION, POLARS, read_rotor, write_rotor

@@ -3,12 +3,12 @@
 import itertools
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from ...errors import InputError
 from ...math.arrays import Array, IntArray
-from ...math.records import dataclass, field, replace
 
 # Layers of the shell of a station: columns along the contour, rows through the wall.
 #

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -13,7 +14,6 @@ from ...dynamics.analysis.recovery import Recording
 from ...inputs.case.tables.laws import RotationDrive, WindLaw
 from ...inputs.case.tables.schema import Mechanism, mechanism_of
 from ...math.arrays import Array
-from ...math.records import dataclass
 from ...math.rotations import matrix_to_vector, vector_to_matrix
 from ...mechanism.build import build
 from ...mechanism.consistent import consistent_state

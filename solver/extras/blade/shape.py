@@ -1,6 +1,7 @@
 """The outer shape of a blade and its contour at a station."""
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -8,7 +9,6 @@ from scipy.interpolate import PchipInterpolator
 
 from ...errors import nearest
 from ...math.arrays import Array
-from ...math.records import dataclass
 from .tables import STRAIGHT, Along, Table, Tables
 
 # The outer shape of a blade: its airfoils, and chord, twist and thickness along the span.

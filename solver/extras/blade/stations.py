@@ -3,6 +3,7 @@
 import math
 import tempfile
 from collections.abc import Container, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +15,6 @@ from ...inputs.case.tables.beam_keys import COLUMNS, TRAPEZE, UPPER
 from ...inputs.case.write import write_case
 from ...math.arrays import Array
 from ...math.laws import lengths_along
-from ...math.records import dataclass, replace
 from ...package.body.package_file import read_package
 from ...package.common.files import write_text
 from ...package.common.plain_data import csv_text

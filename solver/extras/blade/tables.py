@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,6 @@ from scipy.interpolate import PchipInterpolator
 from ...errors import InputError, nearest
 from ...math.arrays import Array
 from ...math.laws import lengths_along
-from ...math.records import dataclass
 
 # Quantities along the span of a blade.
 

@@ -4,6 +4,7 @@ import math
 import re
 import shlex
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -13,7 +14,6 @@ import numpy as np
 from ...errors import InputError, nearest
 from ...inputs.common.text_file import read_yaml
 from ...math.arrays import Array
-from ...math.records import dataclass
 from ...package.common.plausible import material_doubts
 from ...report.section.codes import SectionResults
 from .materials import Materials

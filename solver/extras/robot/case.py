@@ -7,6 +7,7 @@ joints are parts of the body that they are fixed to.
 import re
 import unicodedata
 from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -17,7 +18,6 @@ from ...dynamics.elements.forces.friction import FRICTION
 from ...dynamics.elements.forces.limit_stop import LIMIT_STOP
 from ...errors import InputError, nearest, refuse
 from ...math.arrays import Array
-from ...math.records import dataclass, field
 from ...math.rotations import matrix_to_vector
 from ..tolerances import CLEAR, DEGREES, DENSE, LONG, MANY_TURNS, SLIM, WIDE
 from .urdf import HERE, Inertia, Pose, Robot, Type, UrdfJoint, about

@@ -6,6 +6,7 @@ know, or raise without a place in the file. Entities are refused, so that a file
 
 import math
 from collections.abc import Callable, Collection, Iterator
+from dataclasses import dataclass, field
 from difflib import get_close_matches
 from enum import StrEnum, auto
 from pathlib import Path
@@ -16,7 +17,6 @@ import numpy as np
 
 from ...errors import InputError, did_you_mean, nearest, printable, refuse
 from ...math.arrays import Array
-from ...math.records import dataclass, field
 from ...math.rotations import vector_to_matrix
 from ..tolerances import FAR, TURNS
 

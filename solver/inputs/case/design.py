@@ -2,6 +2,7 @@
 members of a sweep."""
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, get_args
 
@@ -9,7 +10,6 @@ import numpy as np
 
 from ...errors import InputError, nearest, refuse, unknown
 from ...math.arrays import Array
-from ...math.records import dataclass, field, replace
 from ...package.specification import ModeKind
 from ..common.input_table import plain_table
 from ..common.text_file import Tables

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Hashable, Mapping
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, NamedTuple
 
 from ...dynamics.elements.couplings.table import COUPLINGS
@@ -15,7 +16,6 @@ from ...math.expressions import operations as op
 from ...math.expressions.parse import ExpressionError, parsed
 from ...math.expressions.program import Node, NoRate, constant
 from ...math.laws import NamedCurve, curve_of_table
-from ...math.records import dataclass, replace
 from ...math.rows import column
 
 if TYPE_CHECKING:

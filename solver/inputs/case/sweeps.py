@@ -3,6 +3,7 @@
 import math
 import re
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,6 @@ from ...math.arrays import Array
 from ...math.expressions import operations as op
 from ...math.expressions.parse import ExpressionError, Plain, parsed
 from ...math.expressions.program import Node, value_at
-from ...math.records import dataclass
 from ..common.input_table import Table, bare_lines, lines, meant
 from ..common.input_table import unit as unit_of
 from ..common.text_file import Tables

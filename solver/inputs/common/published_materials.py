@@ -1,9 +1,9 @@
 """Materials by name, with published values; what a source leaves out is left out here."""
 
+from dataclasses import dataclass
 from typing import Any
 
 from ...errors import nearest
-from ...math.records import dataclass
 
 WWFE = (
     "Soden, Hinton, Kaddour: Compos. Sci. Technol. 58 (1998) 1011 (World-Wide Failure Exercise); "

@@ -15,13 +15,13 @@ angle turns the fibre from z towards it.
 
 import io
 import os
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
 from ...errors import InputError
 from ...math.arrays import Array, IntArray
-from ...math.records import dataclass, field
 from ...package.common.materials import MaterialError, elastic_from_dict
 from .foreign import write_npz
 

@@ -7,6 +7,7 @@ import contextlib
 import hashlib
 import io
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,6 @@ from numpy.typing import NDArray
 
 from ...errors import InputError, few, nearest, refuse
 from ...math.arrays import Array, IntArray
-from ...math.records import dataclass
 from ...package.common.files import temporary_sibling
 from ..common.mesh_files import content_sha256
 

@@ -22,13 +22,13 @@ the materials (temperatures, resultants for recovery) is not read.
 
 import re
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from ...errors import InputError, few
 from ...math.arrays import Array, IntArray
-from ...math.records import dataclass
 from ...package.common.materials import UPPER, of_upper
 from .becas import (
     ABSENT,

@@ -7,6 +7,7 @@ be compiled later without changing the contract.
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any, ClassVar
 
@@ -14,7 +15,6 @@ import numpy as np
 
 from ...math.arrays import Array, distinct
 from ...math.catalogue import Number
-from ...math.records import dataclass
 from . import advice
 from .advice import OWN, Motion, Pace, Refusals, Stall
 from .norm import ErrorNorm, first_step_size

@@ -1,13 +1,13 @@
 """Run an integrator to its end, show its steps, and keep the solution at requested times."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
 from ...math.arrays import Array
-from ...math.records import dataclass, field, replace
 from .advice import Pace, Refusals, Stall
 from .base import Counters, Dense, Integrator
 from .output import Output, requested_times

@@ -1,13 +1,13 @@
 """Expressions: trees, their derivatives by time, programs in postfix order and their evaluation."""
 
 from collections.abc import Callable, Hashable, Iterator, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from ..arrays import Array
 from ..compiled import lean
 from ..laws import N_COEFFICIENT, Law, NamedCurve, law_value
-from ..records import dataclass, field
 from . import operations as op
 from .operations import Programs
 

@@ -1,6 +1,7 @@
 """A modal package from measured modes: lumped inertia, measured frequencies, corrected shapes."""
 
 from collections.abc import Mapping
+from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any
 
@@ -8,7 +9,6 @@ import numpy as np
 
 from ...errors import InputError
 from ...math.arrays import Array, IntArray
-from ...math.records import dataclass, field
 from .invariants import from_stations, rigid_motions
 from .package_schema import Interface, ModalPackage
 

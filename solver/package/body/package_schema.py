@@ -12,10 +12,10 @@ and modal mass, damping and stiffness are in kg m2, N m s and N m. The mapper of
 writes, reads, checks and documents the fields.
 """
 
+from dataclasses import dataclass, field
 from typing import Annotated, Any, get_args
 
 from ...math.arrays import Array, IntArray
-from ...math.records import dataclass, field
 from ..common.dataset import Attribute, Data, Named, Nested, Rows
 from ..common.design import Derivative
 from ..common.recovery_schema import SectionRecovery, ShellPly

@@ -7,6 +7,7 @@ that is absent has the derivative zero. Other producers may write the group (doc
 
 import json
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any, TypeVar
 
 import h5py
@@ -14,7 +15,6 @@ import numpy as np
 
 from ...errors import PackageError, did_you_mean
 from ...math.arrays import Array
-from ...math.records import dataclass, replace
 from .container import get_text, set_text
 from .dataset import Datasets, all_values, check_name, rebuilt
 from .findings import Remark, finite

@@ -23,13 +23,13 @@ All strengths are magnitudes.
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
 
 from ...errors import did_you_mean
 from ...math.arrays import REGULAR, Array
-from ...math.records import dataclass, fields
 
 _UNITS = {"E": "Pa", "G": "Pa", "n": "-", "r": "kg/m3"}  # by first letter of the key
 

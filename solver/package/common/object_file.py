@@ -15,6 +15,7 @@ import json
 import sys
 import warnings
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Generic, Literal, TypeVar
 
@@ -23,7 +24,6 @@ import numpy as np
 
 from ...errors import PackageError
 from ...math.disk_cache import DiskCache, sources_sha256
-from ...math.records import dataclass
 from .container import (
     content_sha256,
     contents,

@@ -4,10 +4,10 @@ A body loads these classes alone: each dataclass takes a millisecond of every ru
 Resultants of a section, stresses and sizes as in section/section_schema.py.
 """
 
+from dataclasses import dataclass
 from typing import Annotated
 
 from ...math.arrays import Array, IntArray
-from ...math.records import dataclass
 from .dataset import Data, Rows
 
 RESULTANTS = ("F1", "F2", "F3", "M1", "M2", "M3")

@@ -10,10 +10,10 @@ Sizes: `n` nodes, `c` cells, `i` connectivity entries, `r` regions, `k` plies, `
 integration points, `w` warnings. The mapper of common/dataset.py writes and reads the fields.
 """
 
+from dataclasses import dataclass, field
 from typing import Annotated, Any
 
 from ...math.arrays import Array, IntArray
-from ...math.records import dataclass, field
 from ..common.dataset import Data, Nested, Reported
 from ..common.design import Derivative
 from ..common.recovery_schema import SectionRecovery

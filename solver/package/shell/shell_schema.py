@@ -11,13 +11,13 @@ all laminates, `l` load cases, `s` supports, `e` links, `o` probes, `m` modes, `
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass, field
 from typing import Annotated, Any
 
 import numpy as np
 
 from ...errors import PackageError
 from ...math.arrays import Array, IntArray
-from ...math.records import dataclass, field
 from ..common.cells import QUADRILATERAL, TRIANGLE, cell_table, vtk_cells
 from ..common.dataset import Data, Nested, Reported, Rows
 from ..common.recovery_schema import ShellPly

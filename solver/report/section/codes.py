@@ -8,6 +8,7 @@ conventions.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +17,6 @@ import numpy as np
 from ...errors import InputError, PackageError, did_you_mean, printable
 from ...inputs.section.vabs import OF_VABS
 from ...math.arrays import Array, IntArray
-from ...math.records import dataclass
 from ...package.common.container import contents, open_file
 from ...package.common.files import write_text
 from ...package.common.findings import raise_first

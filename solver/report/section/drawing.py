@@ -1,6 +1,7 @@
 """Common parts of the figures of a section: cells, axes, colours of plies, enlarged windows."""
 
 import math
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,6 @@ from matplotlib.patches import Rectangle
 from matplotlib.tri import Triangulation
 
 from ...math.arrays import Array, IntArray
-from ...math.records import dataclass
 from ...package.section.section_schema import SectionFile, SectionMeshData
 from ...package.section.stress import cell_means
 from ..style import COLOURS, GREY, INK, plain_words

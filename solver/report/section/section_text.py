@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...math.arrays import Array
-from ...math.records import dataclass
 from ...package.common.files import write_text
 from ...package.common.plain_data import cell_text, csv_text
 from ...package.common.recovery_schema import RESULTANTS, STRESSES, Ply, SectionRecovery

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
 
@@ -9,7 +10,6 @@ import numpy as np
 
 from ...errors import InputError
 from ...math.arrays import Array, IntArray
-from ...math.records import dataclass
 from ...package.common.cells import centres, corner_counts
 from ...package.common.materials import MaterialError, PlyStrength, YieldStrength
 from ...package.common.object_file import check_provenance

@@ -5,13 +5,13 @@ mesh of a hundred thousand cells, too.
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ...math.arrays import Array, IntArray
-from ...math.records import dataclass
 from ...package.common.cells import NONE, area_vectors, sides
 from ...package.common.cells import centres as mean_of_corners
 from ..style import GREY, INK, Canvas, house_style

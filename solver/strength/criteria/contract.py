@@ -14,12 +14,12 @@ R, with R the smallest factor on the stress at which it fails. It is proportiona
 """
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ...math.arrays import Array, IntArray
-from ...math.records import dataclass
 from ...package.common.materials import PlyStrength, YieldStrength
 
 

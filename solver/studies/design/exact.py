@@ -8,6 +8,7 @@ that of the design moved along the tangent.
 """
 
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -20,7 +21,6 @@ from ...inputs.case.tables.schema import Mechanism
 from ...inputs.section.study import leaves_of
 from ...integrators.generic.drive import Steps
 from ...math.arrays import Array
-from ...math.records import dataclass, replace
 from ...package.common.plain_data import inputs_sha256
 from ...run.inputs import RunSpec
 from ...run.preparation import Prepared, output_times

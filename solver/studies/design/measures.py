@@ -7,6 +7,7 @@ with the derivative of the array, wherever that comes from.
 """
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,6 @@ from ...inputs.case.tables.bodies import RigidBody
 from ...inputs.case.tables.design_keys import MECHANISM, Quantity
 from ...inputs.case.tables.signals import StrengthSignal
 from ...math.arrays import Array
-from ...math.records import dataclass
 from ...package import ModalPackage
 from ...package.body.selection import vibrations
 from ...run.inputs import RunSpec

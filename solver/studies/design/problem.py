@@ -5,6 +5,7 @@ plies, x has one more entry: a bound of all its local peaks, which is minimised.
 """
 
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
@@ -12,7 +13,6 @@ import numpy as np
 from ...errors import InputError
 from ...inputs.case.tables.design_keys import Limit, Study
 from ...math.arrays import Array
-from ...math.records import dataclass, field
 from .rules import Space
 
 BARRIER = 10.0  # by which an invalid design is worse than the last valid one, scaled

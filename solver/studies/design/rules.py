@@ -5,6 +5,7 @@ specifications of bodies, in which lay-ups are complete however they were writte
 """
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,6 @@ from ...inputs.case.bodies.specifications import model_and_check
 from ...inputs.case.design import CheckedStudy
 from ...inputs.case.tables.design_keys import Rule
 from ...math.arrays import Array
-from ...math.records import dataclass, field
 
 CARDINAL = (0.0, 45.0, -45.0, 90.0)  # directions of the rule of shares [deg]
 NEAR = 1e-6  # [deg] and of coefficients

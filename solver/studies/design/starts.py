@@ -1,6 +1,7 @@
 """One start of a study: gradient steps, a turn away from a saddle, then the discrete search."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, field
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -10,7 +11,6 @@ import numpy as np
 from ...errors import InputError, few
 from ...inputs.case.design import CheckedStudy
 from ...math.arrays import Array
-from ...math.records import asdict, dataclass, field
 from .drivers.table import driver_of
 from .memory import FILE, Memory
 from .problem import FEASIBLE, Options, Point, Problem, Values, undominated

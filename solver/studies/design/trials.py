@@ -4,6 +4,7 @@ import logging
 import os
 from collections.abc import Mapping, Sequence
 from copy import copy
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -26,7 +27,6 @@ from ...inputs.case.tables.schema import Mechanism, changed_mechanism
 from ...inputs.case.tables.signals import PlyStressSignal, StrengthSignal
 from ...inputs.case.write import dump
 from ...math.arrays import Array
-from ...math.records import dataclass, replace
 from ...package import ModalPackage, read_package
 from ...package.common.files import write_text
 from ...package.common.plain_data import data_sha256

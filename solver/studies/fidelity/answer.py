@@ -1,6 +1,7 @@
 """The outcome of a plan, as an engineer reads it and as an entry of summary.json."""
 
 from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,6 @@ import numpy.typing as npt
 from ...checks.modes import motion_findings
 from ...errors import counted
 from ...math.arrays import Array
-from ...math.records import asdict, dataclass, field
 from ...run.inputs import RunSpec
 from ..tolerances import NO_COST
 from .indicators.beam_theory import beam_theory

@@ -2,12 +2,12 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from ...inputs.case.record import REACTION
 from ...math.arrays import Array
-from ...math.records import dataclass, field, replace
 from ...run.timing import work_s
 from ..tolerances import REQUEST_MET, SPLIT_COST, SURELY_MET, TIGHTENED_COST
 from .answer import Answer, not_compared

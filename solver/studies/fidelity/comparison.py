@@ -1,6 +1,7 @@
 """How the histories of two runs compare: differences, sizes, and signals that are rounding."""
 
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -9,7 +10,6 @@ import numpy.typing as npt
 from ...dynamics.analysis.recovery import extent
 from ...inputs.case.record import KINDS, parts
 from ...math.arrays import Array
-from ...math.records import dataclass, replace
 from ...mechanism.built import BuiltMechanism
 from ...signals import Sensor, sensors
 from ..tolerances import FAINT, FORCE_NOISE

@@ -1,11 +1,11 @@
 """The models between rigid bodies and all modes: error and CPU time of each, for a chart."""
 
 from collections.abc import Iterable, Iterator
+from dataclasses import asdict, dataclass, replace
 
 import numpy as np
 
 from ...math.arrays import Array, front
-from ...math.records import asdict, dataclass, replace
 from .answer import Answer
 from .comparison import difference
 from .plan import BodyPlan, Plan, number_of, vibration_labels

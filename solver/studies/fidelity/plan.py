@@ -1,13 +1,13 @@
 """A plan: which model a run takes, and the packages and settings of the model and its check."""
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...dynamics.model.model import Model
 from ...math.arrays import Array, IntArray
-from ...math.records import dataclass, field, replace
 from ...mechanism.built import BuiltMechanism
 from ...package import ModalPackage
 from ...package.body.selection import (

@@ -1,6 +1,7 @@
 """Runs of a plan, their differences by kind and body, and the horizon of pointwise promises."""
 
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -8,7 +9,6 @@ import numpy.typing as npt
 from ...checks.finished import FinishedRun
 from ...errors import InputError
 from ...math.arrays import Array
-from ...math.records import dataclass, replace
 from ...package import ModalPackage
 from ...package.body.package_file import SUMS
 from ...results import RunResult, Summary

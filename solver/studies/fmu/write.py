@@ -13,6 +13,7 @@ import tempfile
 import xml.etree.ElementTree as ET
 import zipfile
 from collections.abc import Sequence
+from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -21,7 +22,6 @@ from plymotion import __version__
 
 from ...errors import InputError, printable
 from ...inputs.case.record import package_entries
-from ...math.records import dataclass
 from ...mechanism.python_functions import codes_of
 from ...package.common.files import temporary_sibling
 from ...run.coupled import DRIVE_ORDER, FORCE_ORDER, Stepper

@@ -4,6 +4,7 @@ Modes at neighbouring speeds are matched by left vectors of one and right vector
 """
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -12,7 +13,6 @@ from scipy.interpolate import PchipInterpolator, PPoly
 from scipy.optimize import linear_sum_assignment
 
 from ...math.arrays import Array, IntArray
-from ...math.records import dataclass
 from ..tolerances import ALIKE_OVERLAP, CROSSING_FOUND, LEAST_OVERLAP, OVERDAMPED
 from .modes import Modes
 from .state_space import StateSpace

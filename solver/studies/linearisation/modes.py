@@ -1,6 +1,7 @@
 """Modes of a linearised mechanism: eigenvalues, vectors, and what moves in them."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +11,6 @@ from ...dynamics.analysis.recovery import extent
 from ...dynamics.evaluation.accelerations import assemble
 from ...dynamics.model.model import Model, modal_matrix
 from ...math.arrays import Array
-from ...math.records import dataclass
 from ...math.rotations import frame_from_axis, rotation_matrix, skew
 from ...package import ModalPackage
 from .differences import STEP, units_of

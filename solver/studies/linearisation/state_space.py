@@ -13,6 +13,7 @@ Reasons: docs/adr/0020.
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -29,7 +30,6 @@ from ...dynamics.model.coordinates import Spin, spin_accelerations, spin_velocit
 from ...dynamics.model.model import Model
 from ...inputs.case.expressions import drives
 from ...math.arrays import Array, IntArray
-from ...math.records import dataclass
 from ...math.rotations import rotation_matrix, skew
 from ...mechanism.built import BuiltMechanism
 from ...signals import Recording, Sensor

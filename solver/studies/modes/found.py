@@ -1,5 +1,6 @@
 """Modes about a state: what is reported, exported and computed as response; Campbell diagrams."""
 
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import compress
 from pathlib import Path
@@ -15,7 +16,6 @@ from ...dynamics.evaluation.series import along_solution
 from ...dynamics.model.coordinates import Spin, moved, spin_velocities, turned
 from ...errors import InputError, counted, few, nearest
 from ...math.arrays import Array, IntArray
-from ...math.records import dataclass, replace
 from ...math.rotations import vector_to_matrix
 from ...mechanism.built import Start
 from ...mechanism.equilibrium import after_turn, round_off

@@ -1,6 +1,7 @@
 """The run that `plymotion modes` works on, and the states that `--at` names."""
 
 import tempfile
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
@@ -14,7 +15,6 @@ from ...inputs.case.load import load_case
 from ...inputs.case.record import case_file
 from ...inputs.case.write import write_case
 from ...math.arrays import Array
-from ...math.records import dataclass
 from ...mechanism.build import build
 from ...mechanism.built import BuiltMechanism, Start
 from ...mechanism.consistent import consistent_state

@@ -1,6 +1,7 @@
 """A run with the derivatives of its motion, and from them those of its signals."""
 
 from collections.abc import Container, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +16,6 @@ from ...integrators.radau import Radau
 from ...math.arrays import Array
 from ...math.expressions import operations as op
 from ...math.expressions.operations import Programs
-from ...math.records import dataclass, replace
 from ...results import Derivative, RunResult, Summary
 from ...run.coupled import Stepper
 from ...run.execution import Progress

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from contextlib import suppress
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -16,7 +17,6 @@ from ...inputs.case.tables.schema import Sweep
 from ...integrators.breakpoints import breaks
 from ...integrators.table import treatment_of
 from ...math.arrays import Array
-from ...math.records import dataclass, replace
 from ...mechanism.assembly import treated
 from ...mechanism.build import build, used_packages
 from ...mechanism.built import BuiltMechanism

@@ -2,6 +2,7 @@
 
 import hashlib
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +10,6 @@ import h5py
 import numpy as np
 
 from ...math.arrays import Array
-from ...math.records import dataclass, field, replace
 from ...package.common.container import as_text, get_text, new_file, open_file, set_text, text_array
 from ...package.common.object_file import check_file_checksum, version_of, write_file_checksum
 from ...package.common.plain_data import cell_text, csv_text

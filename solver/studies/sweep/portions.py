@@ -6,6 +6,7 @@ import platform
 import threading
 import time
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
@@ -15,7 +16,6 @@ from ...errors import InputError
 from ...inputs.case.record import solver_sha256
 from ...math.compiled import COMPILED, tell_if_slow
 from ...math.disk_cache import state_of
-from ...math.records import dataclass
 from ...package.common.plain_data import data_sha256
 from ...results import ResultError
 from ...results.codes import WORKER_LOST

@@ -13,9 +13,9 @@ corners, tz the rotation about e3; added to the membrane's.
 """
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
-from .....solver.math.records import dataclass
 from ..cell import Cell
 
 

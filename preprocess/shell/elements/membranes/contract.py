@@ -14,11 +14,11 @@ several membranes is the strain of displacements that may bow along the sides.
 """
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from ufl import as_vector
 
-from .....solver.math.records import dataclass
 from ..cell import Cell, Corner, Point
 
 

@@ -30,11 +30,11 @@ quadrilaterals.
 """
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from ufl import as_vector
 
-from .....solver.math.records import dataclass
 from ..cell import Cell, Point
 
 

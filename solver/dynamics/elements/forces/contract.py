@@ -32,6 +32,7 @@ rows(one, two, parameters, rows) -> None
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any, ClassVar, NamedTuple
 
 from ....math.arrays import Array, Triple
@@ -46,7 +47,6 @@ from ....math.catalogue import (
     Three,
     argument_names,
 )
-from ....math.records import dataclass, field
 from ...model.motion import DAMPING, FORCE, N_ELEMENT_ROW, STIFFNESS
 
 Key = Direction | Number | Three | OfTime

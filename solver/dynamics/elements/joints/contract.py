@@ -30,11 +30,11 @@ markers have the same axes; their origins are the two places.
 """
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
 
 from ....math.arrays import Array
 from ....math.catalogue import Direction, Number, argument_names
-from ....math.records import dataclass
 
 Rows = Callable[..., None]
 Numbers = dict[str, float]

@@ -6,6 +6,7 @@ then rotated about it by `twist_deg`.
 """
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 from typing import cast
@@ -15,7 +16,6 @@ import numpy as np
 from ....errors import InputError, collected, refuse, under
 from ....math.arrays import Array
 from ....math.laws import lengths_along
-from ....math.records import dataclass
 from ....math.rotations import shortest_rotations, vector_to_matrix
 from ....package.common.cells import node_positions
 from ....package.specification import BeamSpecification, LineTable, PlyTable

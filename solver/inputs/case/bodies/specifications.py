@@ -6,6 +6,7 @@ vibrations and all load shapes, because a check within one package cannot see wh
 
 import os
 from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,6 @@ from pydantic import BaseModel
 
 from ....errors import InputError, nearest, under, unknown
 from ....math.disk_cache import file_sha256
-from ....math.records import dataclass, field
 from ....package.common.plain_data import inputs_sha256
 from ....package.specification import ImportedSpecification, Specification
 from ...common.mesh_files import files_read

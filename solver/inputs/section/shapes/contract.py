@@ -19,9 +19,9 @@ first.
 """
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
-from ....math.records import dataclass, field
 from ....package.specification import LayerDirection, SectionMeshTable
 
 Values = dict[str, Any]  # size -> number, list, text; None: optional and not given

@@ -1,12 +1,12 @@
 """What a file of this folder supplies: a `Driver`."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from importlib import import_module
 from types import ModuleType
 
 from ....errors import InputError
 from ....math.arrays import Array
-from ....math.records import dataclass
 from ..problem import Options, Problem
 
 

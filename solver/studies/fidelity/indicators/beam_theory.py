@@ -1,13 +1,13 @@
 """What beam theory leaves out of a body: indicators of the error of signals."""
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ....inputs.section.shapes.library import walls
 from ....math.arrays import Array
-from ....math.records import dataclass
 from ....package import ModalPackage
 from ....package.body.selection import vibrations
 from ....run.error_bars import held_ends

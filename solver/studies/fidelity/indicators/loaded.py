@@ -2,6 +2,7 @@
 rich packages with their quasi-static response."""
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from typing import Any
 
@@ -11,7 +12,6 @@ from ....dynamics.evaluation import series
 from ....dynamics.evaluation.variations import residuals
 from ....errors import InputError
 from ....math.arrays import Array, IntArray
-from ....math.records import dataclass, replace
 from ....mechanism.build import build
 from ....mechanism.built import BuiltMechanism
 from ....package import ModalPackage

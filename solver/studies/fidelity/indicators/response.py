@@ -1,6 +1,7 @@
 """Linear elastic response of rich bodies along a base motion: what each mode adds to signals."""
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
@@ -12,7 +13,6 @@ from ....dynamics.evaluation.variations import residuals
 from ....dynamics.model.coordinates import move_rows
 from ....dynamics.model.model import Model, modal_matrix, state_size
 from ....math.arrays import Array, IntArray
-from ....math.records import dataclass
 from ....signals import Sensor
 from ..comparison import difference
 from ..plan import Base
