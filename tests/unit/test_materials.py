@@ -113,6 +113,7 @@ def test_quarter_turn_swaps_the_axes() -> None:
 @pytest.mark.parametrize(
     ("change", "message"),
     [
+        ({"nu12": 1e308}, r"graphite\.nu12 = 1e\+308: expected nu12"),
         ({"nu12": 4.0}, r"graphite\.nu12 = 4: expected nu12\^2 < E1/E2 = 14\.4898"),
         ({"nu23": -1.2}, r"nu23 = -1.2: expected nu23\^2 < E2/E3"),
         ({"nu12": 3.0, "nu13": 3.0, "nu23": 0.9}, r"together are too large"),

@@ -175,7 +175,7 @@ def _check(c: Mapping[str, float], where: str, massless: bool) -> None:
     check_density(c["rho"], where, massless)
     for a, b in ("12", "13", "23"):
         nu, ratio = c[f"nu{a}{b}"], c[f"E{a}"] / c[f"E{b}"]
-        if not nu**2 < ratio:
+        if not nu * nu < ratio:  # a power overflows with an error
             raise MaterialError(
                 f"{where}.nu{a}{b} = {nu:g}: expected nu{a}{b}^2 < E{a}/E{b} = {ratio:g}, "
                 f"that is |nu{a}{b}| < {math.sqrt(ratio):.6g}"
