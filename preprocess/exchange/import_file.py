@@ -37,7 +37,7 @@ def read_table(file: Path) -> ImportFile:
         table = tomllib.loads(file.read_text(encoding="utf-8"))
     except FileNotFoundError as error:
         raise InputError(f"{file}: no such file; expected an import file (TOML)") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except (ValueError, RecursionError) as error:  # the syntax, a number of thousands of digits
         raise InputError(f"{file}: {error}") from error
     return checked(table, str(file))
 

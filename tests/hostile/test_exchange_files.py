@@ -130,6 +130,14 @@ def test_changed_import_files(sources, tmp_path):
         count("import: a changed import file", end)
 
 
+@pytest.mark.parametrize("line", ["format = " + "9" * 5000, "format = " + "[" * 5000])
+def test_an_import_file_that_is_not_read(tmp_path, capfd, line):
+    file = tmp_path / "arm.toml"
+    file.write_text(line, "utf-8")
+    assert exchange(["import", str(file), "-o", str(tmp_path / "o.vtkhdf"), "--quiet"]) == 2
+    assert f"{file}: " in capfd.readouterr().err
+
+
 @pytest.mark.parametrize("ratio", ["1e300", "1.0", "-0.1"])
 def test_a_damping_ratio_is_a_fraction_of_critical(sources, tmp_path, capfd, ratio):
     copy = tmp_path / "copy"
