@@ -144,6 +144,7 @@ EDITS = [
     ('"K.mtx"', '"L.mtx"', "arm.toml: files.stiffness = 'L.mtx': no such file"),
     ('cells = "cells.csv"', 'cell = "cells.csv"', "files.cell: unknown key; did you mean 'cells'"),
     ('units = { length = "m"', 'units = { length = "metre"', "units.length: expected one of m, cm"),
+    ('kind = "lowest"', "kind = {}", "arm.toml: modes.*kind.*: expected one of .*, found {}"),
     ("format = 1", "format = [", "arm.toml: "),
 ]
 

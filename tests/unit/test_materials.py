@@ -123,6 +123,7 @@ def test_quarter_turn_swaps_the_axes() -> None:
         ({"G12": float("nan")}, r"G12 = nan: expected a number"),
         ({"G12": True}, r"G12 = True: expected a number"),
         ({"nu21": 0.1}, r"nu21: unknown key of an orthotropic material.*did you mean"),
+        ({"kind": {}}, r"kind = {}: expected one of isotropic"),
         ({"kind": "orthotrop"}, r"kind = 'orthotrop'.*did you mean 'orthotropic'"),
     ],
 )

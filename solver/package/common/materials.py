@@ -117,7 +117,7 @@ def material_from_dict(
         "orthotropic": tuple(field.name for field in fields(Orthotropic)),
     }
     kind = table.get("kind")
-    if kind not in kinds:
+    if not isinstance(kind, str) or kind not in kinds:
         raise MaterialError(
             f"{where}.kind = {kind!r}: expected one of {', '.join(kinds)}"
             + did_you_mean(str(kind), kinds)

@@ -182,7 +182,7 @@ def _meant(value: Any, forms: tuple[Any, ...], key: str) -> Any:
     kind = value.get("kind") if isinstance(value, dict) else None
     kinds = {word: form for form in forms for word in get_args(get_type_hints(form)["kind"])}
     _require(isinstance(value, dict), key, value, "an object")
-    if kind not in kinds:
+    if not isinstance(kind, str) or kind not in kinds:
         expectation = f"one of {', '.join(kinds)}"
         raise SpecError(expected(f"{key}.kind", kind, expectation) + did_you_mean(str(kind), kinds))
     return kinds[kind]
