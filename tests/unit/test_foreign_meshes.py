@@ -230,7 +230,10 @@ def test_meshes_that_are_no_section(tmp_path):
     deck = "*NODE\n1,0.,0.\n2,1.,0.\n3,1.,1.\n*ELEMENT, TYPE=CPS3\n1,1,2,3\n"
     (tmp_path / "short.inp").write_text(deck + "*ELEMENT, TYPE=CPS3\n")
     (tmp_path / "set.inp").write_text(deck.replace("CPS3", "CPS3, ELSET"))
+    su2 = "NELEM= 1\n5 0 1 2 0\nNPOIN= 3\n0 0 0\n1 0 1\n0 1 2\n"  # without NDIME= 2
+    (tmp_path / "flat.su2").write_text(su2)
     for file, expected in {
+        "flat.su2": "meshio cannot read it: its nodes have neither two nor three coordinates",
         "lifted.vtu": "third coordinates from 0 to 1: expected a flat mesh",
         "mixed.vtu": r"cells of several types \(1 quad, 1 triangle\)",
         "solid.vtu": "its cells are of type hexahedron, expected plane cells",

@@ -215,8 +215,10 @@ def read_mesh(file: Path, where: str) -> Any:
 
 
 def _check_nodes(mesh: Any) -> None:
-    """Raise ValueError for cells without all of their nodes, and sets without a name."""
+    """Raise ValueError for nodes without a place, cells without nodes, sets without a name."""
     mesh.points = np.asarray(mesh.points, float)
+    if mesh.points.shape[1:] not in ((2,), (3,)):
+        raise ValueError("its nodes have neither two nor three coordinates")
     for block in mesh.cells:
         shape = block.type.rstrip("0123456789")
         width = int(block.type[len(shape) :] or _CORNERS.get(shape, 0))
