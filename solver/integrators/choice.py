@@ -16,7 +16,7 @@ from .breakpoints import breaks
 from .explicit import ExplicitLoop
 from .generic.base import Integrator
 from .hidden import HiddenForces
-from .step_loop import StepLoop, projection, right_hand_side
+from .step_loop import projection, right_hand_side
 from .table import EXAMPLES, INTEGRATORS, SolverKeys, treatment_of
 
 # The work enters the energy balance alone, no motion depends on it. The estimate of the error of a
@@ -139,8 +139,6 @@ def make_integrator(
     made: Integrator = kind(subject, 0.0, y0, solver.t_end, **options)
     if fixed_step is None and (unseen := HiddenForces(model, made.points, made.rates_fit)):
         made.hidden, made.chattering = unseen.stops, unseen.chattering
-        if isinstance(made, StepLoop):
-            made.parts = unseen.parts
     if fixed_step is None and solver.max_step is None:  # else the user has chosen the steps
         made.unsearched = broken.unsearched
     made.vibrates = bool(

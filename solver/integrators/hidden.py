@@ -22,16 +22,7 @@ from ..math.laws import Hermite
 from .breakpoints import programs_read
 from .generic.base import Derivative
 from .generic.norm import ErrorNorm
-from .watched import (
-    BESIDE,
-    ROUNDING,
-    Watched,
-    bend,
-    first_break,
-    first_hidden,
-    rough_parts,
-    watched_expression,
-)
+from .watched import BESIDE, Watched, bend, first_break, first_hidden, watched_expression
 
 MOST_CELLS = 20_000  # of the steps of one look; a law that needs more varies fast everywhere
 # Of the tolerance: an error by a bend above the first is looked at closer, and above the second
@@ -76,12 +67,6 @@ class HiddenForces:
         apart = [k for k in distances if 2 * k in loads]
         self._pairs: list[list[int]] = model.quantities.marker[apart].tolist()
         self._largest = 0.0  # distance of such a pair so far [m]
-        # those of what is known along a step: reactions are not
-        known = (((each.slope >= 0) | (each.mean >= 0)).all() for each in self._watched)
-        self._along = [
-            each for each, all_of_it in zip(self._watched, known, strict=True) if all_of_it
-        ]
-        self._effects: dict[int, float] = {}  # change of rates by a unit of an expression [tol]
         self._gain: dict[int, float] = {}  # of errors by bends of expressions, the last one found
         self._last: dict[int, tuple[float, int]] = {}  # last jump [s], attempts
         self._bends: dict[int, tuple[float, int]] = {}  # last bend [s], those soon behind others
@@ -106,7 +91,6 @@ class HiddenForces:
         """
         hidden, values = np.inf, self._values(t, y, rate)
         sure = self._sure / float(norm.weight(y[0], y[-1])[: self._model.n_pos].min())
-        self._looked = t, y, values, sure
         with np.errstate(all="ignore"):
             for each in self._watched:
                 hidden = first_hidden(each, t, values, hidden, sure)
@@ -127,57 +111,6 @@ class HiddenForces:
                         part = 1.0
                     i, part, jump, factor, reach = first_break(each, t, values, i, part, sure)
         return stops
-
-    def parts(self, rate: Derivative, norm: ErrorNorm) -> list[float]:
-        """Return ends [s] of parts of the steps looked at last that miss much of a steep law.
-
-        Parameters
-        ----------
-        rate, norm : as of `stops`
-        """
-        t, y, values, sure = self._looked
-        ends = [np.zeros(0)]
-        with np.errstate(all="ignore"):
-            for each in self._along:
-                p = each.program
-                gain = self._effects.get(p, 0.0)
-                least = 1.0 / gain if gain > 0.0 else 0.0
-                count, i = rough_parts(each, t, values, sure, least)
-                if not count or self._bends.get(p, (0.0, 0))[1] > RESTS:
-                    continue
-                now = self._effect(each, t[i : i + 2], y[i : i + 2], rate, norm)
-                if now > gain:
-                    self._effects[p] = now
-                    count, _ = rough_parts(each, t, values, sure, 1.0 / now)
-                if now > 0.0 or gain > 0.0:
-                    ends.append(each.cells[0, :count, 0].copy())
-        return list(distinct(*ends))
-
-    def _effect(
-        self, each: Watched, t: Array, y: Array, rate: Derivative, norm: ErrorNorm
-    ) -> float:
-        """Return the change of rates by a unit of an expression within a step, 0 if rounding.
-
-        By its constants, of which one is changed for a moment, or those of the pieces of curves.
-        """
-        path, programs, found = _path(t, y, rate), each.programs, []
-        at = np.full(5, 0.5 * (t[0] + t[1]))
-        states = path(at)
-        read = quantities(self._model, at, states)
-        numbers = [programs.argument[k : k + 1] for k in each.constants.tolist()]
-        for number in numbers or [programs.curve_coefficient[:, 0]]:
-            kept = number.copy()
-            for changed in (kept, 1.001 * kept + (kept == 0.0)):
-                number[:] = changed
-                bend(each, at, read)
-                found.append((each.beside[0], rate(float(at[0]), states[0]).copy()))
-            number[:] = kept
-            (was, before), (now, behind) = found[-2:]
-            weight = norm.weight(y[0], y[0])
-            change = norm((behind - before) * weight)
-            if change > ROUNDING * norm(before * weight):
-                return change / abs(now - was)
-        return 0.0
 
     def _passes(self, t: Array, y: Array) -> float:
         """Return the middle of the first step in which a distance is no polynomial, [s]; or inf."""

@@ -139,7 +139,6 @@ class Radau(ClosingLoop):
     order = 5
     rates_fit = True
     points = (0.0, *C.tolist())
-    divides = True
     on_growth = (
         "Newton's iteration finds no answer for a step this long, or constraints contradict each "
         f"other: take a shorter step ({SHORTER})"

@@ -32,7 +32,6 @@ from .compiled.step_control import Ends, Options
 from .generic.advice import Refusals
 from .generic.base import FIRST_STEPS, ROUNDING, Dense, Derivative, Integrator
 from .generic.drive import Steps
-from .generic.norm import ErrorNorm
 
 
 def right_hand_side(model: Model) -> Derivative:
@@ -205,8 +204,6 @@ class StepLoop(StrideMemory):
     strides = True
     takes = "model"
     fails_before_growth = True
-    divides = False  # steps that miss much of a steep law
-    parts: Callable[[Derivative, ErrorNorm], list[float]]  # of them (hidden.py)
 
     def __init__(
         self,
@@ -300,18 +297,14 @@ class StepLoop(StrideMemory):
                 return reached
             t, y = self._ends_since(begun)
             unseen = self._unseen(t, y)
-            look = self.divides and not (unseen or self.over_bends)
-            rough = self.parts(self.derivative, self.norm) if look else []
-            if not unseen and not rough:
+            if not unseen:
                 self._pace = min(2 * self._pace, CHUNK)
                 return reached
             self._go_back(begun)
-            self._stop_also(unseen or rough)
-            self._pace = max((len(t) - 1) // 4, FEW)
-            if unseen:
-                # The steps before it are taken again once. The next stop is about as many ahead.
-                steps = int(np.searchsorted(t, unseen[0]))
-                most, self._pace = max(steps - 1, 1), max(steps, FEW)
+            self._stop_also(unseen)
+            # The steps before it are taken again once. The next stop is about as many ahead.
+            steps = int(np.searchsorted(t, unseen[0]))
+            most, self._pace = max(steps - 1, 1), max(steps, FEW)
             broken = unseen if len(unseen) > 1 else []  # forces have other rates behind it
             sharp = np.append(self._options.kinks[self._options.sharp], broken)
             sharp = np.isin(self._kinks, sharp)

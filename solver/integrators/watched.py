@@ -28,17 +28,6 @@ BREAKING = JUMPING | {op.ABS, op.MINIMUM, op.MAXIMUM, op.SMOOTH, op.CURVE} | RIS
 # of the points beside a bend, of the shorter part of the step. ROUNDING: of a force.
 BEND, BESIDE, ROUNDING = 0.25, 0.02, 1e-12
 SUMS = frozenset((op.ADD, op.SUBTRACT, op.NEGATE))
-# Of the tolerance: error by a steep law in a step. Such errors are of one sign, and add up.
-MISSED, UNSEEN = 4e-4, 0.2
-# Gauss and Lobatto, exact to degree 7, less the sum of `radau`: places and weights in a step.
-ROOT = np.sqrt(6.0)
-PLACES = np.append(
-    0.5 + 0.5 * np.array([-1.0, -np.sqrt(3.0 / 7.0), 0.0, np.sqrt(3.0 / 7.0), 1.0]),
-    [0.4 - 0.1 * ROOT, 0.4 + 0.1 * ROOT, 1.0],
-)
-WEIGHTS = np.append(
-    np.array([9.0, 49.0, 64.0, 49.0, 9.0]) / 180.0, [(ROOT - 16) / 36, -(ROOT + 16) / 36, -1 / 9]
-)
 
 
 @structure
@@ -54,8 +43,7 @@ class Watched(NamedTuple):
     slope: IntArray  # (l,) place of the rate of a quantity among all values; -1: not known
     mean: IntArray  # (l,) place of the coordinate of a rate; -1: none
     curved: IntArray  # (n,) 1: a part is not linear in them
-    constants: IntArray  # (c,) places of its constants
-    breaking: IntArray  # (n,) 1: a part has branches; 2: it rises, and is smooth
+    breaking: IntArray  # (n,) 1: a part has branches
     points: Array  # (s,) parts of a step at which forces are evaluated
     span: Array  # (n, 2) least and largest value of each part so far
     quiet: Array  # (1 + l, 2) bounds of time and quantities within which no part varies much
@@ -94,11 +82,6 @@ def watched_expression(model: Model, p: int, points: Array, cells: Array) -> Wat
     of_states = np.where((loads >= 2 * n) & (loads < states), every + loads - 2 * n, -1)
     nothing = np.array([np.inf, -np.inf])
     parts, read = len(curved), 1 + len(loads)
-    made = ~np.isin(codes, list(op.PUSHES))
-    smooth = np.isin(codes[made], list(RISING))
-    for k in np.flatnonzero(codes[made] == op.CURVE):
-        first, last = programs.curve_start[int(arguments[made][k]) :][:2]
-        smooth[k] = programs.curve_coefficient[first:last, 2:].any()
     return Watched(
         programs,
         p,
@@ -109,8 +92,7 @@ def watched_expression(model: Model, p: int, points: Array, cells: Array) -> Wat
         np.where(cubic, loads + 1, of_states),
         np.where(rates, loads - 1, -1),
         curved.astype(np.int64),
-        own.start + np.flatnonzero(codes == op.CONSTANT),
-        np.isin(codes[made], list(BREAKING)).astype(np.int64) + smooth,
+        np.isin(codes[~np.isin(codes, list(op.PUSHES))], list(BREAKING)).astype(np.int64),
         points,
         np.tile(nothing, (parts, 1)),
         np.tile(nothing, (read, 1)),
@@ -170,67 +152,6 @@ def first_hidden(watched: Watched, t: Array, values: Array, before: float, sure:
         else:
             _widen(watched)
     return before
-
-
-@lean
-def rough_parts(
-    watched: Watched, t: Array, values: Array, sure: float, least: float
-) -> tuple[int, int]:
-    """Divide the steps whose sum of `radau` misses more than MISSED of `least`.
-
-    Not those with a corner, nor those over which the expression changes by less than UNSEEN of it,
-    as where friction holds the state, nor those in which no division helps.
-
-    Parameters
-    ----------
-    t, values, sure : as of `first_hidden`
-    least : integral of the expression over time that counts; 0: not known, divide nothing
-
-    Returns
-    -------
-    Number of the parts, whose ends [s] are in watched.cells[0, :, 0], and the worst step. One part,
-    without an end, if `least` is not known and a step misses anything.
-    """
-    last = watched.bounds.shape[0] - 1  # the whole expression
-    ends, count, worst, most = watched.cells[0, :, 0], 0, 0, 0.0
-    for i in range(t.shape[0] - 1):
-        _set_path(watched, t, values, i)
-        _curve_rates(watched, t, values, i, sure)
-        h = t[i + 1] - t[i]
-        missed = h * _missed(watched, 0.0, 1.0)
-        if not MISSED * least < missed < np.inf:
-            continue
-        if missed > most:
-            worst, most = i, missed
-        if least == 0.0:
-            count = 1
-            continue
-        _set_box(watched, 0.0, 1.0)
-        _bound(watched)
-        bent = h * (watched.bounds[last, 1] - watched.bounds[last, 0]) < UNSEEN * least
-        for k in range(last + 1):
-            bent = bent or (watched.breaking[k] == 1 and watched.breaks[k] > 0)
-        a, b, n = 0.0, 1.0, count
-        while a < 1.0 and b - a > SHORTEST and n < ends.shape[0] and not bent:
-            if h * _missed(watched, a, b) > MISSED * least:
-                b = 0.5 * (a + b)
-                continue
-            ends[n] = t[i] + h * b
-            n += 1
-            a, b = b, min(1.0, 2.0 * b - a)
-        count = n if a == 1.0 else count
-    return count, worst
-
-
-@lean
-def _missed(watched: Watched, a: float, b: float) -> float:
-    """Return what the sum of `radau` misses of the integral from part a to b of a step."""
-    size = missed = 0.0
-    for k in range(PLACES.shape[0]):
-        value = _value(watched, a + (b - a) * PLACES[k])
-        missed += WEIGHTS[k] * value
-        size = max(size, abs(value))
-    return (b - a) * abs(missed) if abs(missed) > ROUNDING * size else 0.0
 
 
 @lean

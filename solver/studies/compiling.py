@@ -31,7 +31,7 @@ from ..integrators.generalized_alpha import GeneralizedAlpha
 from ..integrators.generic.drive import integrate
 from ..integrators.radau import Radau
 from ..integrators.step_loop import StepLoop, right_hand_side
-from ..integrators.watched import bend, first_break, first_hidden, rough_parts, watched_expression
+from ..integrators.watched import bend, first_break, first_hidden, watched_expression
 from ..math.arrays import Array
 from ..math.compiled import COMPILED, note, noted, statistics
 from ..math.expressions import operations as op
@@ -163,7 +163,6 @@ def _compile_others() -> None:
     )
     if watched is not None:
         first_hidden(watched, np.zeros(1), np.zeros((1, 1)), 0.0, 0.0)
-        rough_parts(watched, np.zeros(1), np.zeros((1, 1)), 0.0, 0.0)
         first_break(watched, np.zeros(1), np.zeros((1, 1)), 0, 0.0, 0.0)
         bend(watched, np.zeros(5), np.zeros((5, 1)))
     parts(of_one.programs, 0, np.zeros(1), np.zeros(1), of_one.stack)

@@ -181,11 +181,11 @@ def error_bars_line(summary: Summary) -> str:
         if signal["error_bar"] is not None
     ]
     without = (
-        f"without {', '.join(bars_entry['not_contained'])}" if bars_entry["not_contained"] else ""
+        f" (without {', '.join(bars_entry['not_contained'])})"
+        if bars_entry["not_contained"]
+        else ""
     )
-    return (
-        f"error bars: {few([bars_entry['reason']] if bars_entry['reason'] else bars)} ({without})"
-    )
+    return f"error bars: {few([bars_entry['reason']] if bars_entry['reason'] else bars)}{without}"
 
 
 def _here(tasks: list[_Task]) -> Iterator[Outcome]:
