@@ -68,6 +68,7 @@ def test_a_rigid_mechanism_has_the_error_of_its_tolerance() -> None:
     found, summary = barred(spec)
     exact, _ = silent(spec.changed({"solver.rtol": 1e-11}))
     assert summary["error_bars"]["not_contained"] == []
+    assert not error_bars_line(summary).endswith(")")
     for signal in exact.signals:
         error = np.abs(found[signal.name] - signal.values).max()
         assert error <= summary["signals"][signal.name]["error_bar"] <= 30.0 * error
