@@ -125,7 +125,7 @@ def wrong(change) -> dict:
         (lambda b, t: t["airfoils"][1].update(rthick=240.0), "240, but its coordinates are 0.23"),
         (
             lambda b, t: t["airfoils"][1]["coordinates"]["x"].__setitem__(20, 0.0),
-            "airfoils.thin.coordinates: point 21, (0, 0.0",
+            "airfoils.thin.coordinates: the outline turns back at point ",
         ),
         (
             lambda b, t: b["structure"]["layers"][0]["thickness"]["values"].__setitem__(0, False),

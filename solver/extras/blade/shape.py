@@ -18,8 +18,7 @@ SAME = 6  # digits in which thicknesses of airfoils are equal
 THICKEST = 1.05  # over the chord: a round root has 1
 FARTHEST = 100.0  # [smallest chord] of the reference axis from the section
 UNLIKE = 0.2  # of the chord: airfoils of 8 turbines are as thick as their rthick within 0.005
-SHARPEST = -0.5  # cosine of the turn of an outline at a point; theirs turn by 33 deg at most
-REAR = 0.9  # of the chord: the trailing edge, which is sharp, lies behind
+BACK = 0.05  # of the chord, where an outline goes back; those of 8 turbines nowhere do
 TURNED = 90.0  # [deg] twist that no section of a rotor has
 
 
@@ -194,14 +193,12 @@ def _ordered(tables: Tables, path: str, x: Array, y: Array) -> Array:
             "trailing edge (x = 1) over one side to the leading edge (x = 0) and back",
         )
     points = np.column_stack([x, y])
-    step = np.diff(points, axis=0)
-    size = np.linalg.norm(step, axis=1)
-    sharp = np.sum(step[1:] * step[:-1], axis=1) < SHARPEST * size[1:] * size[:-1]
-    for k in 1 + np.flatnonzero(sharp & (x[1:-1] < REAR)):
-        message = (
-            f"point {k + 1}, ({x[k]:g}, {y[k]:g}): the outline turns back; expected a smooth one"
-        )
-        raise tables.error(path, message)
+    for side in (np.arange(nose, -1, -1), np.arange(nose, len(x))):
+        back = np.maximum.accumulate(x[side]) - x[side]
+        if back.max() > BACK:
+            k = int(side[back.argmax()])
+            message = f"the outline turns back at point {k + 1}, ({x[k]:g}, {y[k]:g})"
+            raise tables.error(path, f"{message}; expected x from 1 to 0 and back to 1")
     upper, lower = np.trapezoid(y[nose::-1], x[nose::-1]), np.trapezoid(y[nose:], x[nose:])
     return points if upper >= lower else points[::-1]
 
