@@ -10,10 +10,9 @@ here=$(dirname "$0")
 install() { "$here/install.sh" "$folder/bin/python" "$@"; }
 
 if [ -n "${LOCKED:-}" ]; then
-    if [ "$what" = runs ]; then # the one file has the wheels of the tests too
-        install --require-hashes --only-binary :all: -r "$here/requirements.lock"
-        install --no-deps --no-build-isolation -e .
-    fi
+    # The one file has the wheels of the tests too; for runs they may have come without the lock.
+    install --require-hashes --only-binary :all: -r "$here/requirements.lock"
+    [ "$what" = tests ] || install --no-deps --no-build-isolation -e .
     echo "setup: $folder: ready for $what, as locked"
     exit
 fi
