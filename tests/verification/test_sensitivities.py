@@ -48,6 +48,7 @@ def derivatives(scene, folder, rtol=1e-10):
     return result, {(s.signal, s.parameter): s.values for s in result.sensitivities}
 
 
+@pytest.mark.filterwarnings("error::RuntimeWarning")
 @pytest.mark.parametrize("name", TESTED)
 def test_against_differences(name, tmp_path):
     scene = SCENES[name]

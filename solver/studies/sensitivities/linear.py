@@ -211,7 +211,8 @@ class Partials:
             shares = among @ shares
         self._shares = (shares / np.array([column.h for column in columns])).T
         for rates in changes:
-            sizes = [np.abs(now[n]).max() / np.abs(rate).max() for n, rate in rates.items()]
+            moved = [(n, rate) for n, rate in rates.items() if rate.any()]
+            sizes = [np.abs(now[n]).max() / np.abs(rate).max() for n, rate in moved]
             limits = stops and not rates.keys().isdisjoint(model.quantities.programs._fields)
             share = BOTH if len(changes) <= FEW and not limits else STEP
             step = share * float(min((s for s in sizes if s > 0.0), default=1.0 / share))
