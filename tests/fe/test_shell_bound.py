@@ -252,6 +252,16 @@ def test_branch_and_bound_finds_the_best_of_all_lay_ups(spec: dict[str, Any], of
     assert found["gap"] < 1e-4
 
 
+def test_no_lay_up_of_a_thick_plate_is_computed_twice() -> None:
+    """Bounds without shear leave all of them open."""
+    spec = square(4, [0.0, 90.0])
+    for ply in spec["laminates"]["wall"]["plies"]:
+        ply["thickness"] = 0.1
+    loads = {"q": {"p": {"at": "plate", "force_per_area": [0.0, 0.0, 1.0]}}}
+    best = bounded({**spec, "loads": loads, "bound_angles_deg": [0, 45, 90]}, "compliance")
+    assert best["of_angles"]["computed"] == best["of_angles"]["lay_ups"] == 9
+
+
 LOADS = {name: {"p": {"at": "plate", "force_per_area": [0.0, 0.0, 1.0]}} for name in ("q", "r")}
 PULL = {"x": {"p": {"at": "right", "force_per_length": [-1.0, 0.0, 0.0]}}}
 REFUSED = [

@@ -58,7 +58,8 @@ def best_of_angles(
     first : (g,) a lay-up of them
     """
     order = np.argsort(-np.abs(plies.columns[:, 8:]).max(axis=(1, 2)), kind="stable")
-    best, most, discarded, branches, computed = first, 0.0, 0.0, 0, 0
+    best, most, discarded, branches = first, 0.0, 0.0, 0
+    computed: set[Angles] = set()
     basis = basis_of(X)
 
     def bounded(fixed: Angles, limit: float) -> float:
@@ -84,19 +85,22 @@ def best_of_angles(
             discarded = max(discarded, -minus)
         elif len(fixed) < len(order):
             children = [(*fixed, angle) for angle in angles_deg.tolist()]
-        elif (limit := bounded(fixed, -minus)) <= most * (1.0 + CERTIFIED):
-            discarded = max(discarded, limit)
-        else:
-            tried = np.array(fixed)[np.argsort(order)]
-            values, more = modes(tried)
-            X, computed = np.c_[X, more], computed + 1
-            basis = basis_of(X)
-            if values[0] > most:
-                best, most = tried, float(values[0])
+        elif fixed not in computed:
+            limit = bounded(fixed, -minus)
+            if limit <= most * (1.0 + CERTIFIED):
+                discarded = max(discarded, limit)
+            else:
+                computed.add(fixed)
+                tried = np.array(fixed)[np.argsort(order)]
+                values, more = modes(tried)
+                X = np.c_[X, more]
+                basis = basis_of(X)
+                if values[0] > most:
+                    best, most = tried, float(values[0])
         ranked = sorted((-bounded(child, -minus), child) for child in children)
         branches += len(ranked)
         below = ranked[:1]
         for each in ranked[1:]:
             heapq.heappush(open_, each)
     left = -min(open_, default=(0.0, ()))[0]
-    return Best(most, best, max(most, discarded, left), branches, computed)
+    return Best(most, best, max(most, discarded, left), branches, len(computed))
