@@ -79,7 +79,9 @@ NUMBERS = 350_000  # of all histories of a page; longer ones keep the extremes o
 FEWEST = 500  # rows of a run at least
 
 
-def histories(blob: Blob, result: RunResult, share: int) -> dict[str, object]:
+def histories(
+    blob: Blob, result: RunResult, share: int, *, verified: bool = True
+) -> dict[str, object]:
     """Add the histories of a run; return what the page needs to plot them.
 
     Parameters
@@ -87,13 +89,17 @@ def histories(blob: Blob, result: RunResult, share: int) -> dict[str, object]:
     blob : arrays of the page, added to
     result : results of the run
     share : numbers that this run may take
+    verified : with energies, energy balance and violations of constraints
     """
     groups = {
-        "signals": [(s.name, s.unit, s.description or s.name, s.values) for s in result.signals],
-        "energies": [(n, "J", label, _from_start(n, result)) for n, label in WORDS.items()],
-        "balance": [("balance", "-", "error of the energy balance", result.relative_balance)],
-        "violations": [(n, UNITS.get(n, "-"), n, v) for n, v in result.violations.items()],
+        "signals": [(s.name, s.unit, s.description or s.name, s.values) for s in result.signals]
     }
+    if verified:
+        groups |= {
+            "energies": [(n, "J", label, _from_start(n, result)) for n, label in WORDS.items()],
+            "balance": [("balance", "-", "error of the energy balance", result.relative_balance)],
+            "violations": [(n, UNITS.get(n, "-"), n, v) for n, v in result.violations.items()],
+        }
     every = [np.asarray(each[3]) for group in groups.values() for each in group]
     rows = chosen_rows(every, len(result.t), max(share // (len(every) + 2), FEWEST))
     table: dict[str, object] = {

@@ -144,11 +144,13 @@ def sensitivity_page(result: RunResult) -> str:
     blob, title = Blob(), f"{result.case}, {result.run}: sensitivities"
     runs = [
         {"name": key, "title": key, "stopped": False, "scene": None, "worst": []}
-        | histories(blob, replace(result, signals=tuple(of_key)), HISTORIES // len(lines))
-        | {"energies": []}  # a parameter has none
+        | histories(
+            blob, replace(result, signals=tuple(of_key)), HISTORIES // len(lines), verified=False
+        )
         for key, of_key in lines.items()
     ]
-    words = f"<p>Value times derivative of each signal, the {LINES} most effective parameters</p>"
+    words = "<p>Value times derivative of each signal by the most effective parameters, at most "
+    words += f"{LINES}</p>"
     plots = section("plots", "Plots", "<div id='plot-list'></div>")
     index = {"title": title, "case": result.case, "runs": runs, "figures": figures}
     return _with_data(title, [_header(title, words), "<main>", plots, "</main>"], index, blob)

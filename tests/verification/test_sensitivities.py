@@ -282,9 +282,17 @@ def test_the_command(tmp_path, monkeypatch, capsys):
     index = json.loads(re.search("id='index'>(.*?)</script>", page)[1])
     assert [run["name"] for run in index["runs"]] == index["figures"][0]["runs"]
     assert set(index["figures"][0]["runs"]) == {"gravity.2", "bodies.rod.mass"}
+    assert "energies" not in index["runs"][0]  # they belong to the run
     assert main([*words, "--objective", '{ signal = "x", of = "rms" }']) == 0
     assert capsys.readouterr().out.startswith("signal x rms = ")
     assert not (folder / "report.html").exists()
+    page = tmp_path / "mine/sensitivities/base/report.html"
+    page.parent.mkdir(parents=True)
+    page.write_text("of the user")
+    other = [*words, "--out", str(tmp_path / "mine")]
+    assert main([*other, "--objective", '{ signal = "x", of = "rms" }']) == 2
+    assert "report.html: is there already and was not written by" in capsys.readouterr().err
+    assert page.read_text() == "of the user"
     assert main([*words, "--objective", '{ signal = "y", of = "rms" }']) == 2
     assert 'objective.signal = "y": no such signal' in capsys.readouterr().err
     text = (tmp_path / "case.toml").read_text()

@@ -76,7 +76,7 @@ function setUpPlots() {
   const balances = element('div', { class: 'balances' });
   const choice = element('select', { id: 'balance-run', onchange: () => showBalances(balances, page.runs[choice.selectedIndex]) });
   choice.append(...page.runs.map((run) => element('option', {}, run.title)));
-  if (page.runs[0].energies.length) {
+  if (page.runs[0].energies) {
     list.append(element('p', { class: 'choice' }, element('label', { for: 'balance-run' }, 'Verification of '), choice), balances);
     showBalances(balances, page.runs[0]);
   }

@@ -14,7 +14,8 @@ RESULT, SUMMARY = "result.vtkhdf", "summary.json"
 
 def write_sensitivities(folder: Path, result: RunResult, summary: Summary) -> list[str]:
     """Write result.vtkhdf, summary.json and, of signals, report.html; return their names."""
-    refuse_foreign(folder / SUMMARY)
+    for name in (SUMMARY, PAGE):
+        refuse_foreign(folder / name)
     folder.mkdir(parents=True, exist_ok=True)
     write_result(folder / RESULT, result)
     write_summary(folder / SUMMARY, summary)
