@@ -8,6 +8,7 @@ import contextlib
 import os
 import signal
 import sys
+import threading
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -187,6 +188,22 @@ def alarm(seconds: float, handler: Callable[..., None]) -> Callable[[], None] | 
             signal.signal(number, handler)
 
     return stop
+
+
+@contextlib.contextmanager
+def limited(seconds: float, message: str) -> Iterator[None]:
+    """End a block that takes more CPU time by TimeoutError, in a main thread where POSIX is."""
+
+    def expired(*_: Any) -> None:
+        raise TimeoutError(message)
+
+    main = threading.current_thread() is threading.main_thread()
+    stop = alarm(seconds, expired) if main else None
+    try:
+        yield
+    finally:
+        if stop:
+            stop()
 
 
 # Files.

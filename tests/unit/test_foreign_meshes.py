@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from plymotion.solver.errors import InputError
+from plymotion.solver.inputs.section import foreign
 from plymotion.solver.inputs.section.foreign import read_foreign
 from plymotion.solver.inputs.section.specification import load_section
 
@@ -217,7 +218,7 @@ def test_clockwise_cells_are_turned(tmp_path, kind):
         assert x[count : 2 * count] == pytest.approx(0.5 * (ring + np.roll(ring, -1, axis=0)))
 
 
-def test_meshes_that_are_no_section(tmp_path):
+def test_meshes_that_are_no_section(tmp_path, monkeypatch):
     lifted = SQUARES + np.array([0, 0, 1.0]) * (SQUARES[:, :1] > 1)
     cube = np.array([[x, y, z] for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))], float)
     write(tmp_path / "lifted.vtu", [("quad", QUADS)], points=lifted)
@@ -225,8 +226,14 @@ def test_meshes_that_are_no_section(tmp_path):
     write(tmp_path / "solid.vtu", [("hexahedron", np.arange(8)[None])], points=cube)
     (tmp_path / "broken.vtu").write_text("<VTKFile")
     (tmp_path / "two.xyz").write_text("")
-    bulk = "CEND\nBEGIN BULK\nGRID,1,,0.,0.,0.\n"  # meshio never returned
-    (tmp_path / "cut.bdf").write_text(bulk)
+    cut = {  # the readers of meshio never return
+        "cut.bdf": "CEND\nBEGIN BULK\n",
+        "cut.tec": 'VARIABLES = "X", "Y"\nZONE NODES=3, ELEMENTS=1,\n'
+        "DATAPACKING=BLOCK, ZONETYPE=FETRIANGLE\n0.0 1.0\n",
+    }
+    for name, text in cut.items():
+        (tmp_path / name).write_text(text)
+    monkeypatch.setattr(foreign, "READ_S", 0.2)
     deck = "*NODE\n1,0.,0.\n2,1.,0.\n3,1.,1.\n*ELEMENT, TYPE=CPS3\n1,1,2,3\n"
     (tmp_path / "short.inp").write_text(deck + "*ELEMENT, TYPE=CPS3\n")
     (tmp_path / "set.inp").write_text(deck.replace("CPS3", "CPS3, ELSET"))
@@ -238,7 +245,7 @@ def test_meshes_that_are_no_section(tmp_path):
         "mixed.vtu": r"cells of several types \(1 quad, 1 triangle\)",
         "solid.vtu": "its cells are of type hexahedron, expected plane cells",
         "broken.vtu": "meshio cannot read it",
-        "cut.bdf": "meshio cannot read it: expected the lines BEGIN BULK and ENDDATA",
+        **dict.fromkeys(cut, "meshio cannot read it: its reader does not end"),
         "short.inp": "meshio cannot read it: nodes of its cells of type triangle are missing",
         "set.inp": "meshio cannot read it: one of its sets has no name",
         "two.xyz": "meshio cannot read it: Could not deduce",
