@@ -210,9 +210,7 @@ def energy_errors(finer: FinerMesh, energy: Array, *, slow: bool = False) -> Arr
             left = np.nan_to_num(two / one, nan=0.25)
         left = np.where(left < 0.0, LEFT, np.clip(left, 0.25, MOST_LEFT))
         difference = one + two / (1.0 - left)
-    errors = np.zeros(len(energy))
-    errors[loaded] = (difference / (energy - difference))[loaded]
-    return errors
+    return np.divide(difference, energy - difference, where=loaded, out=np.zeros(len(energy)))
 
 
 def at_points(problem: ShellProblem, key: str) -> set[str]:
