@@ -1,10 +1,13 @@
 """Static equilibrium, and relative equilibrium in steady spin about a fixed axis.
 
-Newton's method for the independent positions: Z'(f - Phi_q' lambda) = 0, where the
-columns of Z span the null space of Phi_q. The joints are closed again after each step. If
-the stiffness has a negative eigenvalue, the step still reduces the potential energy. The search
-therefore ends in a minimum, not in an unstable equilibrium. Following loads have no potential; for
-them, the work along the step is used.
+Newton's method for positions and multipliers: Z'(f - Phi_q' lambda) = 0 and Phi = 0, where the
+columns of Z span the null space of Phi_q. Joints close together with the forces, and multipliers
+are those of the linear step: if joints were closed after each step, slender bodies would be
+stretched, and the forces of that would hide their stiffness in bending.
+
+At rest, if the stiffness has a negative eigenvalue on the way, the joints are closed after each
+step, and the step reduces the potential energy. The search therefore ends in a minimum, not in an
+unstable equilibrium. Following loads have no potential; for them, the work along the step is used.
 """
 
 from typing import TYPE_CHECKING
@@ -87,6 +90,9 @@ def equilibrium(model: Model, start: Start, body_names: list[str]) -> Start:
         No equilibrium found, or joints cannot be closed; names the body with unbalanced forces.
     """
     positions = closed(model, start.positions)
+    balanced, _ = _newton(model, positions, _REST, stable=True)
+    if balanced is not None:
+        return start._replace(positions=balanced)
     sizes = sizes_of_motion(model, _size(model, positions))
     largest, least, stalled, steps = 0.0, np.inf, 0, 0
     while stalled < _PATIENT and steps < _MAX_ITERATIONS:
@@ -96,7 +102,7 @@ def equilibrium(model: Model, start: Start, body_names: list[str]) -> Start:
         largest = max(largest, float(np.max(np.abs(g) / model.inertia_scale)))
         size = float(np.linalg.norm(unbalanced))
         least, stalled = (size, 0) if size < FALLS * least else (least, stalled + 1)
-        K = here.stiffness(g, free)
+        K = here.stiffness(free.P.T @ g, free)
         stiffness, directions = np.linalg.eigh(0.5 * (K + K.T))
         if np.max(np.abs(push), initial=0.0) <= BALANCED * max(largest, 1e-12):
             if stiffness.size == 0 or stiffness[0] > -NEUTRAL:
@@ -379,21 +385,23 @@ class Turning:
         equations, g = near.evaluated()
         return np.asarray(g - equations.Phi_q.T @ multipliers)
 
-    def stiffness(self, g: Array, free: FreeMotions) -> Array:
-        """Return the stiffness over inertia (n_free, n_free) [1/s2]; g (n_vel,) of `evaluated`.
+    def stiffness(self, multipliers: Array, free: FreeMotions) -> Array:
+        """Return the stiffness over inertia (n_free, n_free) [1/s2] at multipliers (n_c,)."""
+        columns = [free.Z.T @ self.change(multipliers, z) for z in free.Z.T]
+        return -np.array(columns).reshape((free.Z.shape[1],) * 2).T
 
-        By central differences, at constant multipliers.
+    def change(self, multipliers: Array, step: Array) -> Array:
+        """Return the first-order change of the forces (n_vel,) in a step, by central differences.
+
+        The multipliers (n_c,) are constant.
         """
-        K, multipliers = np.zeros((free.Z.shape[1],) * 2), free.P.T @ g
         sizes = sizes_of_motion(self.model, extent(self.model, self.y))
-        for k, z in enumerate(free.Z.T):
-            h = _DIFFERENCE / float(np.max(np.abs(z) / sizes))
-            ahead, behind = (
-                self.force(moved(self.model, self.positions, step * z), multipliers)
-                for step in (h, -h)
-            )
-            K[:, k] = free.Z.T @ (behind - ahead) / (2.0 * h)
-        return K
+        h = _DIFFERENCE / max(float(np.max(np.abs(step) / sizes)), 1e-300)
+        ahead, behind = (
+            self.force(moved(self.model, self.positions, part * step), multipliers)
+            for part in (h, -h)
+        )
+        return np.asarray((ahead - behind) / (2.0 * h))
 
     def turn(self, free: FreeMotions) -> Array | None:
         """Return the turn as a whole along the free motions (n_free,); None: a drive holds it."""
@@ -457,41 +465,43 @@ def _with_spin(model: Model, positions: Array, spin: Spin, t: float, angle: floa
     return with_laws(model, t, values)
 
 
-def _newton(model: Model, positions: Array, spin: Spin) -> tuple[Array | None, Array]:
-    """Return positions of equilibrium, or None and the unbalanced accelerations (n_vel,)."""
+def _newton(
+    model: Model, positions: Array, spin: Spin, *, stable: bool = False
+) -> tuple[Array | None, Array]:
+    """Return positions of equilibrium, or None and the unbalanced accelerations (n_vel,).
+
+    `stable`: also None if a motion has no stiffness, or a negative one, on the way.
+    """
     largest, push, last = 0.0, np.zeros(model.n_vel), [np.inf] * _PATIENCE
+    multipliers: Array | None = None
     for _ in range(_ITERATIONS):
         here = Turning(model, positions, spin)
         g, free, unbalanced, _ = here.balanced()
+        if multipliers is None:
+            multipliers = free.P.T @ g
+        Phi, length = _at_rest(here.model, positions).Phi, _size(model, positions)
         push = free.Z @ unbalanced
         largest = max(largest, float(np.max(np.abs(g) / model.inertia_scale)))
         size = float(np.linalg.norm(unbalanced))
-        if np.max(np.abs(push), initial=0.0) <= BALANCED * max(largest, 1e-12):
+        K = here.stiffness(multipliers, free)
+        if stable and not np.all(np.linalg.eigvalsh(0.5 * (K + K.T)) > NEUTRAL):
+            return None, push
+        if np.max(np.abs(Phi) / row_sizes(model, length), initial=0.0) < BALANCE_CLOSED and (
+            np.max(np.abs(push), initial=0.0) <= BALANCED * max(largest, 1e-12)
+            or np.all(np.abs(push) <= round_off(model, positions, spin.rate, K, free))
+        ):
             return positions, push
         if size > FALLS * last[-_PATIENCE]:
             break  # the spin is to grow in steps
         last.append(size)
-        K = here.stiffness(g, free)
-        if np.all(np.abs(push) <= round_off(model, positions, spin.rate, K, free)):
-            return positions, push
         turn = here.turn(free)
         if turn is not None:  # a turn as a whole changes nothing: its stiffness is round-off
             K = K + np.abs(K).max() * np.outer(turn, turn) / float(turn @ turn)
-        sizes = sizes_of_motion(model, extent(model, here.y))
-        step = limited(free.Z @ _solved(K, unbalanced), sizes)
-        for _ in range(12):
-            try:
-                there = closed(model, moved(model, positions, step))
-            except InputError:
-                step = 0.5 * step
-                continue
-            after = Turning(model, there, spin)
-            if np.linalg.norm(after.balanced()[2]) < size:
-                break
-            step = 0.5 * step
-        else:
-            return None, push
-        positions = there
+        step = -free.P @ Phi
+        unbalanced = unbalanced + free.Z.T @ here.change(multipliers, step)
+        step = limited(step + free.Z @ _solved(K, unbalanced), sizes_of_motion(model, length))
+        multipliers = free.P.T @ (g + here.change(multipliers, step))
+        positions = moved(model, positions, step)
     return None, push
 
 
@@ -555,7 +565,7 @@ def _require_constant(model: Model, positions: Array, spin: Spin, body_names: li
         push = free.Z @ unbalanced
         loads = float(np.max(np.abs(g) / model.inertia_scale))
         if np.max(np.abs(push), initial=0.0) > CONSTANT_LOADS * max(loads, 1e-9):
-            K = there.stiffness(g, free)
+            K = there.stiffness(free.P.T @ g, free)
             if np.all(np.abs(push) <= round_off(model, there.positions, spin.rate, K, free)):
                 continue
             raise InputError(
