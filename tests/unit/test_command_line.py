@@ -42,6 +42,17 @@ def test_a_command_has_one_thread_unless_the_user_says_more(
     assert run.stdout.split()[-1] == kept
 
 
+def test_a_command_ends_without_freeing_its_objects_one_by_one() -> None:
+    lines = "import atexit, runpy, sys\nclass Last:\n    def __del__(self): print('freed')\n"
+    lines += "last, sys.argv[1:] = Last(), ['materials', 'no such material']\n"
+    lines += "import plymotion.solver.__main__\n"
+    lines += "begin = atexit.register\n"
+    lines += "atexit.register = lambda *a: (begin(*a), begin(print, 'all else'))\n"
+    lines += "runpy.run_module('plymotion', run_name='__main__')"
+    run = this_python("-c", lines)
+    assert (run.returncode, run.stdout) == (2, "all else\n"), run.stderr
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [
