@@ -17,7 +17,7 @@ from .team import ALONE, Distribution, Team
 # dissection, with the same fill-in, as minimum fill does for larger ones: 1.0 instead of 2.2 s with
 # its factorisation, for a shell of 300 000 unknowns. The ordering is what processes cannot share.
 # Where unknowns fill a volume, MUMPS selects the ordering of large matrices.
-MINIMUM_DEGREE, MINIMUM_FILL = 0, 2
+MINIMUM_DEGREE, MINIMUM_FILL, AUTOMATIC = 0, 2, 7
 LARGE = 100_000
 VERY_LARGE = 1_000_000
 PREFIX = "plymotion_mumps_"
@@ -57,19 +57,21 @@ def sorted_csr(A: Any) -> sp.csr_matrix:
     return A
 
 
-def use_mumps(pc: Any, n_dof: int, solid: bool = False) -> None:
+def use_mumps(pc: Any, n_dof: int, solid: bool = False, counts: bool = False) -> None:
     """Use MUMPS for the factorisation of a preconditioner, if PETSc has it.
 
-    `solid` is True where the unknowns fill a volume, not a surface.
+    `solid` is True where the unknowns fill a volume, not a surface. `counts`: negative pivots will
+    be asked for, which MUMPS does not count in a last front that processes share.
     """
     if not HAS_MUMPS:
         return
-    if n_dof < (LARGE if solid else VERY_LARGE):
-        # through the options: PETSc 3.18 ignores settings of the factor
-        PETSc.Options()[f"{PREFIX}mat_mumps_icntl_7"] = (
-            MINIMUM_DEGREE if n_dof < LARGE else MINIMUM_FILL
-        )
-        pc.setOptionsPrefix(PREFIX)
+    ordering = MINIMUM_DEGREE if n_dof < LARGE else MINIMUM_FILL
+    options = PETSc.Options()  # PETSc 3.18 ignores settings of the factor
+    options[f"{PREFIX}mat_mumps_icntl_7"] = (
+        ordering if n_dof < (LARGE if solid else VERY_LARGE) else AUTOMATIC
+    )
+    options[f"{PREFIX}mat_mumps_icntl_13"] = int(counts)
+    pc.setOptionsPrefix(PREFIX)
     pc.setFactorSolverType("mumps")
 
 
@@ -111,7 +113,7 @@ def negative_pivots(A: Any, team: Team = ALONE, solid: bool = False) -> int:
     pc = PETSc.PC().create(comm=team.comm)
     pc.setOperators(mat)
     pc.setType("cholesky")
-    use_mumps(pc, mat.getSize()[0], solid)
+    use_mumps(pc, mat.getSize()[0], solid, counts=True)
     held = [pc, mat]
     try:
         pc.setUp()

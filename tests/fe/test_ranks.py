@@ -90,6 +90,14 @@ for name, spec in specs.items():
         "of the entries": part.nnz / whole.nnz,
     }
 found["of the cells"] = cells / problem.mesh.cells.n_cell
+# 300 of 900 negative eigenvalues; after 300 unknowns of few neighbours, all others are one front
+random, row = np.random.default_rng(0), np.arange(900)
+A = np.triu(random.standard_normal((900, 900)), 1)
+A[:300] *= random.random((300, 900)) < 0.1
+A[:300, :300] = 0.0
+A += A.T + np.diag(np.where(row % 3, 1e3, -1e3))
+own = (row % 2 == team.rank).astype(float)
+found["negative"] = fenicsx.negative_pivots(A * 0.5 * np.add.outer(own, own), team)
 everything = team.comm.gather(found)
 if team.rank == 0:
     print(json.dumps(everything))
@@ -169,6 +177,7 @@ def test_ranks_have_parts_of_matrices_and_rows_of_their_sum(tmp_path: Path) -> N
             assert 0.3 < rank[name]["of the rows"] < 0.7
             assert rank[name]["of the entries"] < 0.65
             assert rank["of the cells"] == pytest.approx(0.5, abs=0.01)
+            assert rank["negative"] == 300
 
 
 @pytest.mark.one_end
