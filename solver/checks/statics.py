@@ -44,6 +44,9 @@ INERTIA = 12  # loads A [x; 1] dm, by rows of A (3, 4)
 def missing_findings(run: FinishedRun) -> Iterator[Finding]:
     """Yield flexible bodies whose modes miss much of the static deformation under their loads.
 
+    Of a body in segments, what a segment misses is a share of the largest deformation of one: at
+    a free end it is most of the little that its own inertia makes there, with any number of them.
+
     Packages without a compliance are not judged, see `unjudged_hints`.
     """
     packages = {
@@ -61,10 +64,16 @@ def missing_findings(run: FinishedRun) -> Iterator[Finding]:
     begin = np.linspace(0, count - width, windows).astype(int)
     rows = np.append(0, (begin[:, None] + np.arange(width)).ravel())
     recording = Recording(run.model, run.solution.t[rows], run.solution.y[rows])
-    for i, package in packages.items():
-        missing = _missing(run, i, package, recording, windows)
+    parts = {i: _missing(run, i, package, recording, windows) for i, package in packages.items()}
+    names, bodies = run.built.body_names, run.mechanism.bodies
+    wholes = {i: getattr(bodies.get(names[i]), "part_of", None) or names[i] for i in parts}
+    most: dict[str, float] = {}  # strain energy of the segment of a beam that has most of it
+    for i, part in parts.items():
+        most[wholes[i]] = max(part.energy, most.get(wholes[i], 0.0))
+    for i, part in parts.items():
+        missing = part._replace(share=part.share * part.energy / (most[wholes[i]] or 1.0))
         if missing.share > FEW_MODES.limit:
-            name = run.built.body_names[i]
+            name, package = names[i], packages[i]
             yield FEW_MODES.finding(
                 missing.text(name, package), body=name, t=missing.t, value=missing.share
             )
@@ -96,13 +105,14 @@ def unit_motions(package: ModalPackage) -> Array:
 
 
 class _Missing(NamedTuple):
-    """What the modes miss: a share of the strain energy, and loads p (l,) at the instant t [s].
+    """What the modes miss: a share of the strain energy [J], and loads p (l,) at an instant t [s].
 
     `mean` (l, l) is the mean of p p', of the start and of the run where they miss much; `G` and
     `C` (l, l) are the missing and the whole compliance.
     """
 
     share: float
+    energy: float
     t: float
     p: Array
     mean: Array
@@ -190,7 +200,7 @@ def _missing(
     if run.mechanism.solver.start != "positions":  # whose loads may be released then
         slow.append((p[:1], p[:1, :, None] * p[:1, None], p[:1], recording.t[:1]))
     missed = np.zeros_like(C)
-    worst = _Missing(0.0, 0.0, p[0], missed, G, C)
+    worst, energy = _Missing(0.0, 0.0, 0.0, p[0], missed, G, C), 0.0
     for loads, squares, means, t in slow:
         mean, size = squares.mean(axis=0), np.mean(loads**2, axis=0)
         whole = 0.5 * max(float(np.sum(C * mean)), 0.0)
@@ -201,12 +211,13 @@ def _missing(
             own = np.ix_(rows, rows)
             counted[rows] = np.sum(G[own] * mean[own]) > SLIGHT * soft * size[rows].sum()
         lost = 0.5 * max(float(np.sum((G * mean)[np.ix_(counted, counted)])), 0.0)
+        energy = max(energy, whole, vibration)
         share = lost / max(whole, vibration) if lost > 0.0 else 0.0
         missed = missed + mean if share > FEW_MODES.limit else missed
         if share > worst.share:
             k = int(np.argmax([float(a @ G @ a) for a in means]))
-            worst = _Missing(share, float(t[k]), means[k], mean, G, C)
-    return worst._replace(mean=missed)
+            worst = _Missing(share, 0.0, float(t[k]), means[k], mean, G, C)
+    return worst._replace(mean=missed, energy=energy)
 
 
 def missed_by_modes(
@@ -237,7 +248,7 @@ def missed_by_modes(
             worst = max(shares, key=lambda number: shares[number])
             part = shares[worst] / (1.0 + shares[worst])
             whole = 0.5 * float(np.sum(G * sums))
-            missing = _Missing(whole, 0.0, p[0], sums, G, package.compliance)
+            missing = _Missing(whole, 0.0, 0.0, p[0], sums, G, package.compliance)
             yield (
                 f"{'modes' if len(shares) > 1 else 'mode'} {few([str(k) for k in shares])}: "
                 f"frequencies too high (mode {worst} by about "

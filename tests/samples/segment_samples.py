@@ -63,3 +63,16 @@ def cantilever(segments: int, length: float, **changes: Any) -> dict[str, Any]:
         "solver": {"t_end": 1.0, "output_step": 0.1, "geometric_stiffening": True},
         **changes,
     }
+
+
+def on_hub(table: dict[str, Any], rim: float, speed: float = 1.0) -> dict[str, Any]:
+    """The same beam on the rim of a hub that turns about z."""
+    places = {"axis": {"position": [0.0, 0.0, 0.0]}, "rim": {"position": [rim, 0.0, 0.0]}}
+    hub = {"kind": "rigid", "mass": 1.0, "inertia": np.eye(3).tolist(), "interfaces": places}
+    turn = {"between": ["ground.wall", "hub.axis"], "drive": {"speed": speed}}
+    root = {"kind": "fixed", "between": ["hub.rim", "beam.root"]}
+    beam = table["bodies"]["beam"] | {"position": [rim, 0.0, 0.0]}
+    return table | {
+        "bodies": {"beam": beam, "hub": hub},
+        "joints": {"axis": turn | {"kind": "revolute"}, "root": root},
+    }

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from samples.flexible_samples import momenta
-from samples.segment_samples import cantilever, run_of
+from samples.segment_samples import cantilever, on_hub, run_of
 from samples.stiffening_samples import rectangle
 
 from plymotion.preprocess.beam.line import SectionMass
@@ -135,20 +135,9 @@ def test_loads_on_coupled_beams(reference: dict[str, Any], number: int) -> None:
 @pytest.mark.parametrize("number", range(2))
 def test_upright_beam_swings_out(reference: dict[str, Any], number: int) -> None:
     data, known = reference["minguet"], reference["swung-out"]
-    rim, spin = known["rim"], known["spins"][number]
-    body = {"elements": 24, "rotation_deg": [0.0, -90.0, 0.0], "position": [rim, 0.0, 0.0]}
+    spin, body = known["spins"][number], {"elements": 24, "rotation_deg": [0.0, -90.0, 0.0]}
     table = cantilever(4, data["length"], body=body, gravity=[0.0, 0.0, -9.81])
-    places = {"axis": {"position": [0.0, 0.0, 0.0]}, "rim": {"position": [rim, 0.0, 0.0]}}
-    hub = {"kind": "rigid", "mass": 1.0, "inertia": np.eye(3).tolist(), "interfaces": places}
-    table["bodies"]["hub"] = hub
-    table["joints"] = {
-        "axis": {
-            "kind": "revolute",
-            "between": ["ground.wall", "hub.axis"],
-            "drive": {"speed": spin},
-        },
-        "root": {"kind": "fixed", "between": ["hub.rim", "beam.root"]},
-    }
+    table = on_hub(table, known["rim"], spin)
     table["masses"] = {"tip": {"at": "beam.tip", "mass": known["masses"][number]}}
     table["solver"]["spin"] = {"axis": [0.0, 0.0, 1.0], "speed": spin}
     tip = started_at(table, coupled(data, number + 1), "beam.tip")
@@ -231,6 +220,31 @@ def test_flying_beam_has_the_momentum_of_its_loads(reference: dict[str, Any]) ->
         assert gained == pytest.approx(impulse, rel=2e-3)  # the rule of the trapezoids
     # the shape has converged though the beam is bent by more than a right angle
     assert np.abs(np.array(tips[0]) - tips[1])[:, -1].max() < 5e-3 * data["length"]
+
+
+def test_right_angle_frame(reference: dict[str, Any]) -> None:
+    """Bending and torsion by turns, larger than a radian; its mass is mostly rotary inertia."""
+    data = reference["elbow"]
+    K = np.diag([data["EA"]] * 3 + [data["EI"]] * 3)
+    mass = SectionMass(1.0, np.zeros(3), data["rotary"] * np.diag([2, 1, 1])).matrix()
+    table = cantilever(4, data["length"])
+    second = {"position": [data["length"], 0.0, 0.0], "rotation_deg": [0.0, 0.0, 90.0]}
+    table["bodies"]["leg"] = table["bodies"]["beam"] | second
+    table["joints"]["elbow"] = {"kind": "fixed", "between": ["beam.tip", "leg.root"]}
+    pulse = {"times": [0.0, 1.0, 2.0, 30.0], "values": [0.0, data["force"], 0.0, 0.0]}
+    law = {"table": pulse | {"interpolation": "linear"}}
+    force = {"kind": "force", "at": "beam.tip", "direction": [0.0, 0.0, 1.0], "law": law}
+    table["forces"] = {"push": force}
+    table["signals"] = {"tip": {"kind": "position", "at": "leg.tip", "component": "z"}}
+    table["solver"] |= {"t_end": 27.0, "output_step": 0.05, "rtol": 1e-4}
+    result, summary = execute(run_of(table, (K, mass)), progress=False)
+    assert {w["code"] for w in summary["warnings"]} == {ROTATION.name}  # in four segments
+    tip = result.signals[0].values
+    for t, peak in zip(data["times"], data["peaks"], strict=True):
+        near = np.flatnonzero(np.abs(result.t - t) < 3.0)
+        top = near[np.argmax(np.sign(peak) * tip[near])]
+        assert abs(tip[top] - peak) < data["tolerance"]
+        assert abs(result.t[top] - t) < data["time_tolerance"]
 
 
 def test_spin_up_of_a_beam_in_segments(repository: Path, published: Callable[[str], Any]) -> None:
@@ -323,3 +337,18 @@ def test_finding_calls_a_linear_result_beyond_a_full_turn_invalid() -> None:
     assert found["value"] > 2.0 * np.pi
     assert "this result is invalid" in found["message"]
     assert "divide the beam by segments, " in found["message"]
+
+
+def test_the_free_end_of_a_twisted_beam_needs_no_other_modes() -> None:
+    """Its last segment misses a quarter of the twist by its own inertia, 1/16 of the beam's."""
+    K = np.diag([1e6, 1e5, 1e5, 50.0, 100.0, 1e3])
+    mass = SectionMass(1.0, np.zeros(3), np.diag([2e-4, 1e-4, 1e-4])).matrix()
+    table = cantilever(4, 1.0)
+    turn = {"drive": {"polynomial": [0.0, 0.0, 0.0, 50.0]}, "axis": [1.0, 0.0, 0.0]}
+    table["joints"]["clamp"] |= turn | {"kind": "revolute"}
+    signal = {"kind": "rotation", "at": "beam.tip", "component": "x"}
+    table["signals"] = {"twist": signal}
+    table["solver"]["start"] = "quasi-static"
+    (twist,), summary = at_the_end(table, (K, mass))
+    assert twist == pytest.approx(-2e-4 * 300.0 / (2.0 * 50.0), rel=0.01)
+    assert summary["warnings"] == []
