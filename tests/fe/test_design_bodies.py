@@ -77,11 +77,27 @@ def skewed(**changes: Any) -> dict[str, Any]:
     return shell_body(body="panel", shell=shell, **given | changes)
 
 
-@pytest.mark.parametrize("elements", [{}, {"membrane": "cst", "drilling": "fictitious"}])
-def test_other_lay_ups_in_the_same_modes(elements: dict[str, str]) -> None:
+RIB = {
+    "at": "top",
+    "stiffness": np.diag([1e6, 3e5, 3e5, 20.0, 30.0, 30.0]).tolist(),
+    "mass": (0.1 * np.diag([1, 1, 1, 2e-4, 1e-4, 1e-4])).tolist(),
+    "offset": [0.0, 0.01],
+}
+
+
+@pytest.mark.parametrize(
+    ("elements", "more"),
+    [
+        ({}, {}),
+        ({"membrane": "cst", "drilling": "fictitious"}, {}),
+        ({}, {"stiffeners": {"rib": RIB}}),
+    ],
+    ids=["opt", "cst", "stiffened"],
+)
+def test_other_lay_ups_in_the_same_modes(elements: dict[str, str], more: dict[str, Any]) -> None:
     """K of a package for other plies is that of a new model with these plies, in its modes."""
     spec = skewed()
-    spec["shell"]["elements"] = {"plate": "dkt"} | elements
+    spec["shell"] |= {"elements": {"plate": "dkt"} | elements, **more}
     spec["design"] = {"a": [{"of": "shell.laminates.skin.plies.0.angle_deg"}]}
     package = build_body(spec)
     skin = LayUp(package, "skin")
@@ -101,9 +117,19 @@ def test_other_lay_ups_in_the_same_modes(elements: dict[str, str]) -> None:
         skin.stiffness([0.0, 90.0])
 
 
-def test_other_elements_have_no_such_matrices() -> None:
-    package = build_body(skewed(design={"a": [{"of": "shell.laminates.skin.offset"}]}))
-    with pytest.raises(PackageError, match="laminate skin: the package has no `stiffness_r"):
+@pytest.mark.parametrize(
+    ("elements", "cells", "why"),
+    [
+        ({}, "triangle", "elements.plate = dkmt depends on the transverse shear"),
+        ({"plate": "dkt", "beta0": "felippa"}, "triangle", "beta0 = felippa depends on ratios"),
+        ({}, "quadrilateral", "quadrilaterals depends on the inverse of A"),
+    ],
+)
+def test_other_elements_have_no_such_matrices(elements: Any, cells: str, why: str) -> None:
+    spec = skewed(design={"a": [{"of": "shell.laminates.skin.offset"}]})
+    spec["shell"] |= {"elements": elements, "mesh": spec["shell"]["mesh"] | {"element": cells}}
+    package = build_body(spec)
+    with pytest.raises(PackageError, match=f"laminate skin: no `stiffness_rates.*{why}"):
         LayUp(package)
     with pytest.raises(PackageError, match="laminate 'core': expected one of skin"):
         LayUp(package, "core")
@@ -289,12 +315,7 @@ def test_regions_of_one_material_and_stiffeners(kind: str, monkeypatch: pytest.M
         spec["shell"]["regions"] = {"all": region}
         places = ["regions.all.thickness", "regions.all.offset", "materials.metal.rho"]
     else:
-        K, M = (
-            np.diag([1e6, 3e5, 3e5, 20.0, 30.0, 30.0]),
-            0.1 * np.diag([1, 1, 1, 2e-4, 1e-4, 1e-4]),
-        )
-        rib = {"at": "top", "stiffness": K.tolist(), "mass": M.tolist(), "offset": [0.0, 0.01]}
-        spec["shell"]["stiffeners"] = {"rib": rib}
+        spec["shell"]["stiffeners"] = {"rib": RIB}
         places = ["stiffeners.rib.stiffness.4.4", "laminates.skin.plies.0.angle_deg"]
     spec["design"] = {f"p{k}": [{"of": f"shell.{place}"}] for k, place in enumerate(places)}
     found = worst(spec, 1.0)

@@ -32,7 +32,7 @@ from .interfaces import ShellBodySpec, interfaces, node_shapes, places, read_she
 from .second_order import Near, second_order_columns, second_order_fields
 from .shell_reduction import ShellModel, eigen_solver
 from .shell_stations import mass_stations
-from .stiffness_rates import is_linear, stiffness_rates
+from .stiffness_rates import not_linear, stiffness_rates
 
 
 def cell_resultants(problem: ShellProblem, u: Array, exact: bool = False) -> CellResultants:
@@ -108,7 +108,9 @@ def build_shell_body(spec: Mapping[str, object]) -> ModalPackage:
     package = shell_package(model, modes, provenance, exact=bool(parameters))
     if not parameters:
         return package
-    if is_linear(model.problem):
+    if why := not_linear(model.problem):
+        package.provenance["no_stiffness_rates"] = why
+    else:
         rates = stiffness_rates(model.problem, u)
         data = (replace(each, stiffness_rates=rates[each.name]) for each in package.laminates)
         package = replace(package, laminates=tuple(data))

@@ -10,19 +10,18 @@ from ..model.shell_problem import ShellProblem
 from ..shell_cells import DOFS
 
 
-def is_linear(problem: ShellProblem) -> bool:
-    """True if the stiffness of a shell is linear in A, B and D, and depends on nothing else.
-
-    Transverse shear depends on a ratio of D to Ds, quadrilaterals and a `beta0` from the laminate
-    on A^-1; links to sections and cells at stiffeners follow the laminates.
-    """
-    return (
-        problem.mesh.cells.shape[1] == 3
-        and problem.choice.plate == "dkt"
-        and not isinstance(problem.choice.beta0, str)
-        and not problem.stiffeners
-        and all(link.kind != "section" for link in problem.links)
-    )
+def not_linear(problem: ShellProblem) -> str:
+    """Why the stiffness of a shell is not linear in A, B and D alone, or nothing."""
+    choice = problem.choice
+    if problem.mesh.cells.shape[1] == 4:
+        return "the membrane of quadrilaterals depends on the inverse of A"
+    if choice.plate != "dkt":
+        return f"elements.plate = {choice.plate} depends on the transverse shear stiffness too"
+    if isinstance(choice.beta0, str):
+        return f"elements.beta0 = {choice.beta0} depends on ratios of A"
+    if any(link.kind == "section" for link in problem.links):
+        return "motions of links to sections depend on the laminates"
+    return ""
 
 
 def stiffness_rates(problem: ShellProblem, u: Array) -> dict[str, Array]:
@@ -30,17 +29,19 @@ def stiffness_rates(problem: ShellProblem, u: Array) -> dict[str, Array]:
 
     Parameters
     ----------
-    problem : a shell for which `is_linear`
+    problem : a shell for which `not_linear` has no reason
     u : (n_dof, m) motion of all degrees of freedom in the modes
     """
     m = u.shape[1]
     rates: dict[str, Array] = {r.laminate_name: np.zeros((18, m, m)) for r in problem.regions}
     kernel, rows = stiffness_kernel(3, problem.choice), u.reshape(-1, DOFS, m)
-    for region in problem.regions:
+    for number, region in enumerate(problem.regions):
+        moved = rows[region.nodes].reshape(len(region.cells), 3 * DOFS, m)
+        if problem.beside is not None:
+            moved = problem.beside.moved(number, moved, u)
         for first in range(0, len(region.cells), AT_A_TIME):
             some = slice(first, first + AT_A_TIME)
-            part = region.geometry[some]
-            corners = rows[region.nodes[some]].reshape(len(part), 3 * DOFS, m)
+            part, corners = region.geometry[some], moved[some]
             table = cell_table(part, region.stiffness, problem.choice)
             for row in range(18):
                 unit = np.zeros((3, 3, 3))

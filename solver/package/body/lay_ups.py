@@ -49,8 +49,9 @@ class LayUp:
             names = ", ".join(known) or "none"
             raise PackageError(f"{package.body}: laminate {laminate!r}: expected one of {names}")
         if own.stiffness_rates is None:
+            why = package.provenance.get("no_stiffness_rates", "a body without [design] parameters")
             raise PackageError(
-                f"{package.body}: laminate {own.name}: the package has no `stiffness_rates`; "
+                f"{package.body}: laminate {own.name}: no `stiffness_rates` in the package: {why}; "
                 "expected a shell of triangles with elements.plate = dkt and [design] parameters"
             )
         self._K, self._rates, plies = package.stiffness, own.stiffness_rates, own.plies
