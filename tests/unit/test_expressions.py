@@ -119,6 +119,7 @@ def test_rate_of_a_quantity():
         ("(y := 3)", "is not allowed"),
         ("True", "is not allowed"),
         ("t // 2", "`t // 2` is not allowed"),
+        ("-5*t^3", "a power is written x**2, not x^2"),
         ("sin(1, 2)", "has 2 arguments; expected 1"),
         ("sin", "is a function; expected its arguments in brackets"),
         ("t == 1", "expected < <= > >="),

@@ -148,6 +148,8 @@ class _Reader:
             return Node(op.SELECT, (inner(tree.test), inner(tree.body), inner(tree.orelse)))
         if isinstance(tree, ast.Call) and isinstance(tree.func, ast.Name) and not tree.keywords:
             return self.call(tree, tree.func.id, level)
+        if isinstance(tree, ast.BinOp) and isinstance(tree.op, ast.BitXor):
+            raise self.error(tree, "is not allowed; a power is written x**2, not x^2")
         raise self.error(
             tree, "is not allowed; expected numbers, names, + - * / **, comparisons, functions"
         )
