@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -114,8 +114,6 @@ def analyse(
     where = where or f"section {spec.get('name', '')}".strip()
     check_spec(spec, where)
     begin = progress or (lambda _line: None)
-    allow = tuple(spec.get("allow", ()))
-    steps: list[dict[str, float | None]] = []
     asked = parameters(spec, design or {}, where)
     if asked:
         team = fenicsx.ALONE  # each process solves the whole section
@@ -125,102 +123,55 @@ def analyse(
         problem, divided = _as_before(spec, where, discretisation, team)
     elif problem is None:
         problem = section_problem(spec["mesh"], where, degree_of(spec), team)
-    edges = 0.0
+    compare = estimate or accuracy is not None
+    # of a twisted section, the round-off is measured at the degree that it is raised to
+    raised = compare and curvature_of(spec) is not None and "degree" not in spec["mesh"]
+    raised = raised and discretisation is None
+    edges = None
+    steps: list[dict[str, float | None]] = []
     while True:
         begin(f"mesh, refined {len(steps)} times" if steps else "mesh")
-        lay = layup(spec, problem.mesh, problem.space, where)
-        if not steps and degree_of(spec) is not None:
-            # cells of another code are the section itself; others keep their edges when refined
-            modulus = np.asarray(1.0 / np.linalg.inv(lay.stiffness[:, 0])[:, 0, 0], float)
-            edges = error_of_edges(problem.mesh.cells, modulus)
-        warnings = [
-            *problem.mesh.warnings,
-            *lay.warnings,
-            *check_degree(problem.space, lay, where, allow, given=degree_of(spec) is None),
-            *not_computed_warnings(spec.get("not_computed", ())),
-            *density_warnings(lay),
-        ]
-        begin(f"warping, {problem.space.n_dof} dofs")
-        compare = estimate or accuracy is not None
-        # of a twisted section, the round-off is measured at the degree that it is raised to
-        raised = compare and curvature_of(spec) is not None and "degree" not in spec["mesh"]
-        raised = raised and discretisation is None
-        result = solve(problem, lay, where, spec, measured=not raised)
-        solved = Solved(problem, lay, result)
-        if compare:
-            begin("error estimate")
-            solved = compared(solved, spec, where, first=not steps)
-            if raised:
-                solved = resolved(solved, spec, where)
-        problem, lay, result, error = solved.problem, solved.lay, solved.result, solved.error
-        warnings += [*solvability_warnings(result), *condition_warnings(result)]
-        warnings += curvature_warnings(result)
-        if error is not None:
-            size = np.sqrt(np.diag(result.K))
-            # of opposite sign: a coarse field is too stiff, a parabola inside its arc too soft
-            error = np.hypot(error, edges * np.outer(size, size))
-        reversal = 0.0
-        if error is not None and lay.reversing.any():
-            # refinement moves the place of the reversal only slowly
-            turned = solve(problem, lay.reversed_there(), where, spec, measured=False)
-            other = np.abs(turned.K - result.K)
-            error, reversal = error + other, float(scaled(other, result.K).max())
-            limit = REVERSAL if accuracy is None else accuracy
-            warnings += reversal_warnings(lay, problem.mesh.cells, reversal, limit)
-        neglected, taper_warnings = taper_error(spec, problem.mesh.cells.points, result.K)
-        warnings += taper_warnings
-        if error is not None and neglected is not None:
-            error = error + neglected
-        if error is not None:
-            # the rounding of sums over the unknowns, also where two solutions agree by chance
-            size = np.sqrt(np.diag(result.K))
-            floor = LAST_DIGITS * np.sqrt(problem.space.n_dof)
-            error = error + floor * np.outer(size, size)
-        if result.round_off is not None:
-            error = result.round_off if error is None else error + result.round_off
-        lap = time.perf_counter() - start
-        worst = None if error is None else float(scaled(error, result.K).max())
-        steps.append(
-            {"refine": len(steps), "dofs": problem.space.n_dof, "error": worst, "seconds": lap}
+        step = _on_mesh(
+            problem, spec, where, edges, begin, accuracy, compare=compare, raised=raised
         )
-        if accuracy is None or worst is None or worst <= accuracy or reversal > accuracy:
+        del problem
+        edges, worst, unknowns = step.edges, step.worst, step.solved.problem.space.n_dof
+        lap = time.perf_counter() - start
+        steps.append({"refine": len(steps), "dofs": unknowns, "error": worst, "seconds": lap})
+        if accuracy is None or worst is None or worst <= accuracy or step.reversal > accuracy:
             break
         if edges > accuracy:
-            warnings += coded(
+            step.warnings += coded(
                 "accuracy-not-met",
                 f"estimated error {worst:.1e}, {accuracy:.1e} requested; curved "
                 f"edges of the mesh are parabolas, which alone costs {edges:.1e}: use "
                 f"{finer_mesh(spec['mesh'])}",
             )
             break
-        assert solved.indicator is not None
-        divided.append(worst_cells(solved.indicator))
-        cells = refined(problem.mesh.cells, divided[-1])
-        cost = problem.space.n_dof * cells.n_cell / problem.mesh.cells.n_cell
+        coarser, indicator = step.solved.problem, step.solved.indicator
+        assert indicator is not None
+        divided.append(worst_cells(indicator))
+        cells = refined(coarser.mesh.cells, divided[-1])
+        cost = unknowns * cells.n_cell / coarser.mesh.cells.n_cell
         if cost > MOST_DOFS or len(steps) > MOST_STEPS:
-            warnings += coded(
+            step.warnings += coded(
                 "accuracy-not-met",
-                f"estimated error {worst:.1e} with {problem.space.n_dof} dofs, "
+                f"estimated error {worst:.1e} with {unknowns} dofs, "
                 f"{accuracy:.1e} requested; the next refinement would have {cost:.0f}",
             )
             break
-        degree, mesh = problem.space.degree, replace(problem.mesh, cells=cells)
-        coarser = problem
-        del problem, lay, result, solved  # their memory serves the next step
-        problem = SectionProblem(mesh, degree, team).like(coarser)
+        del step  # its memory serves the next one
+        mesh = replace(coarser.mesh, cells=cells)
+        problem = SectionProblem(mesh, coarser.space.degree, team).like(coarser)
         del coarser
-    second = None
+    problem, lay, result = step.solved.problem, step.solved.lay, step.solved.result
+    warnings, second = step.warnings, None
     if verify:
         begin("verification")
-        second = verified(
-            result.space,
-            lay.stiffness,
-            result.K,
-            k=curvature_of(spec),
-            own=degree_of(spec) is None,
-        )
+        own, k = degree_of(spec) is None, curvature_of(spec)
+        second = verified(result.space, lay.stiffness, result.K, k=k, own=own)
         warnings += second.warnings
-    warnings += coarse_warnings(solved.error, result.K, spec["mesh"])
+    warnings += coarse_warnings(step.solved.error, result.K, spec["mesh"])
     begin("recovery")
     density = lay.density
     if isinstance(result, CentralSolutions):
@@ -239,12 +190,11 @@ def analyse(
     of_ends = None
     if isinstance(result, SectionStiffness) and factorised is not None:
         of_ends = end_compliance(result, factorised, lay.stiffness[problem.space.own])
-    seconds = time.perf_counter() - start
     section = SectionFile(
         name=str(spec.get("name", "section")),
         K=result.K,
         M=M,
-        error_estimate=error,
+        error_estimate=step.error,
         shear_centre=shear_centre(result.K),
         tension_centre=tension_centre(result.K),
         mass_centre=mass_centre(M),
@@ -266,11 +216,9 @@ def analyse(
                 "divided": [np.flatnonzero(marked).tolist() for marked in divided],
             },
             "verification": None if second is None else second.words,
-            "round_off": None
-            if result.round_off is None
-            else float(scaled(result.round_off, result.K).max()),
+            "round_off": _worst(result.round_off, result.K),
             "ranks": problem.team.size,
-            "seconds": seconds,
+            "seconds": time.perf_counter() - start,
             "versions": fenicsx.versions(),
         },
     )
@@ -299,6 +247,95 @@ def analyse(
         for p in asked
     )
     return replace(section, design=of_design)
+
+
+@dataclass
+class _Step:
+    """A section solved on one mesh."""
+
+    solved: Solved
+    edges: float  # error of K by edges that are parabolas, over its diagonal
+    error: Array | None  # estimate (6, 6) of all causes, in units of K
+    reversal: float  # its part by fibres that reverse, over the diagonal of K
+    warnings: list[dict[str, str]]
+
+    @property
+    def worst(self) -> float | None:
+        """Largest estimated error, over the diagonal of K."""
+        return _worst(self.error, self.solved.result.K)
+
+
+def _worst(error: Array | None, K: Array) -> float | None:
+    return None if error is None else float(scaled(error, K).max())
+
+
+def _on_mesh(
+    problem: SectionProblem,
+    spec: Mapping[str, Any],
+    where: str,
+    edges: float | None,
+    begin: Progress,
+    accuracy: float | None,
+    *,
+    compare: bool,
+    raised: bool,
+) -> _Step:
+    """Solve a section on one mesh and estimate the error of K from all causes.
+
+    Parameters
+    ----------
+    edges : error of the first mesh by its curved edges; None of the first mesh
+    accuracy : that is asked for
+    compare : solve with one degree more, too
+    raised : raise the degree where the estimate needs it
+    """
+    lay = layup(spec, problem.mesh, problem.space, where)
+    first = edges is None
+    if edges is None:
+        edges = 0.0
+        if degree_of(spec) is not None:
+            # cells of another code are the section itself; others keep their edges when refined
+            modulus = np.asarray(1.0 / np.linalg.inv(lay.stiffness[:, 0])[:, 0, 0], float)
+            edges = error_of_edges(problem.mesh.cells, modulus)
+    allow = tuple(spec.get("allow", ()))
+    warnings = [
+        *problem.mesh.warnings,
+        *lay.warnings,
+        *check_degree(problem.space, lay, where, allow, given=degree_of(spec) is None),
+        *not_computed_warnings(spec.get("not_computed", ())),
+        *density_warnings(lay),
+    ]
+    begin(f"warping, {problem.space.n_dof} dofs")
+    solved = Solved(problem, lay, solve(problem, lay, where, spec, measured=not raised))
+    if compare:
+        begin("error estimate")
+        solved = compared(solved, spec, where, first=first)
+        if raised:
+            solved = resolved(solved, spec, where)
+    problem, lay, result, error = solved.problem, solved.lay, solved.result, solved.error
+    warnings += [*solvability_warnings(result), *condition_warnings(result)]
+    warnings += curvature_warnings(result)
+    size, reversal = np.sqrt(np.diag(result.K)), 0.0
+    size = np.outer(size, size)
+    if error is not None:
+        # of opposite sign: a coarse field is too stiff, a parabola inside its arc too soft
+        error = np.hypot(error, edges * size)
+        if lay.reversing.any():
+            # refinement moves the place of the reversal only slowly
+            turned = solve(problem, lay.reversed_there(), where, spec, measured=False)
+            other = np.abs(turned.K - result.K)
+            error, reversal = error + other, float(scaled(other, result.K).max())
+            limit = REVERSAL if accuracy is None else accuracy
+            warnings += reversal_warnings(lay, problem.mesh.cells, reversal, limit)
+    neglected, taper_warnings = taper_error(spec, problem.mesh.cells.points, result.K)
+    warnings += taper_warnings
+    if error is not None:
+        # the rounding of sums over the unknowns, also where two solutions agree by chance
+        error = error + LAST_DIGITS * np.sqrt(problem.space.n_dof) * size
+        error = error if neglected is None else error + neglected
+    if result.round_off is not None:
+        error = result.round_off if error is None else error + result.round_off
+    return _Step(solved, edges, error, reversal, warnings)
 
 
 def _as_before(
