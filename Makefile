@@ -402,6 +402,7 @@ wind: $(WINDIO)/installed $(FENICSX) | $(COMPILED) ## IEA-15-240-RWT in the wind
 design: $(FENICSX) | $(COMPILED) ## Best designs and their derivatives against closed forms and rebuilt packages: build/benchmarks/design.json
 	. ./$(FENICSX) && export FENICSX_PYTHON && \
 	    $(BENCH) benchmarks/design.py build/benchmarks/design.json
+	$(BENCHMARK) benchmarks/design_derivatives.py build/benchmarks/design-derivatives.json
 	$(BENCHMARK) benchmarks/shell_bounds.py build/benchmarks/shell-bounds.json
 
 .PHONY: fidelity

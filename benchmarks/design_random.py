@@ -39,10 +39,14 @@ class _Designs:
 
 
 def computed(given: StudySpec, key: str, points: Array) -> list[float]:
-    """Return the objectives of designs; what is known of them is not computed again."""
+    """Return objectives of designs, infinite beyond limits; what is known is not computed again."""
     trials, _, memory = opened(given, key)
-    known = Known(trials, memory)
-    return [([*known.values(p).shown, np.inf])[0] for p in points]
+    known, limits = Known(trials, memory), limits_of(given)
+    found = [known.values(p).shown for p in points]
+    return [
+        shown[0] if shown and _violation(limits, shown[1:]) <= VIOLATED else np.inf
+        for shown in found
+    ]
 
 
 def against_random(case: Path, folder: Path, table: dict[str, Any]) -> dict[str, Any]:
@@ -56,10 +60,12 @@ def against_random(case: Path, folder: Path, table: dict[str, Any]) -> dict[str,
     begin, memory = time.perf_counter(), Memory(spec.folder / "study.jsonl", trials.digest())
     distribute(Local(2), _Designs(spec, memory.key, points))
     values = np.array(computed(spec, memory.key, points))
+    values = values[np.isfinite(values)]
     shutil.rmtree(folder)
     return {
         **found,
         "random": RANDOM,
+        "random_within_limits": len(values),
         "random_best_median_mm": [1e3 * float(f(values)) for f in (np.min, np.median)],
         "random_s": time.perf_counter() - begin,
     }
@@ -70,7 +76,7 @@ def starts(given: StudySpec) -> dict[str, Any]:
     begin = time.perf_counter()
     found = optimise(given, lambda: Local(2), show=True)
     best, merits = found["optimum"], [s["best"]["shown"][0] for s in found["starts"] if s["best"]]
-    limits = given.table["design"]["studies"]["tip"].get("subject_to", [])
+    limits = limits_of(given)
     return {
         "optimum_mm": 1e3 * best["shown"][0],
         "limits": best["shown"][1:],
@@ -87,12 +93,15 @@ def starts(given: StudySpec) -> dict[str, Any]:
     }
 
 
+def limits_of(given: StudySpec) -> list[dict[str, Any]]:
+    """Return the limits of the study."""
+    return given.table["design"]["studies"]["tip"].get("subject_to", [])
+
+
 def _violation(limits: list[dict[str, Any]], shown: list[float]) -> float:
     """Return the largest relative violation of limits by what is shown of a design."""
-    return max(
-        0.0,
-        *(
-            1.0 - value / limit["min"] if "min" in limit else value / limit["max"] - 1.0
-            for limit, value in zip(limits, shown, strict=True)
-        ),
+    beyond = (
+        1.0 - value / limit["min"] if "min" in limit else value / limit["max"] - 1.0
+        for limit, value in zip(limits, shown, strict=True)
     )
+    return max(0.0, *beyond, 0.0)

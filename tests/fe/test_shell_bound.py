@@ -86,8 +86,24 @@ def test_the_square_of_narita() -> None:
     assert OMEGA * limit == pytest.approx(published, rel=1e-3)
 
 
+def test_the_best_angle_of_a_rectangle() -> None:
+    """1.2 : 1, simply supported: [theta, -theta] of many plies has a closed form."""
+    a, theta = 1.2, np.linspace(0.0, 90.0, 901)
+    xi = harmonics(theta) * [1.0, 0.0, 1.0, 0.0]
+    D = np.array([bending("narita", 1.0, each) for each in xi]) / D0
+    work = D[:, 0, 0] / a**4 + 2.0 * (D[:, 0, 1] + 2.0 * D[:, 2, 2]) / a**2 + D[:, 1, 1]
+    spec = laminated(plate((12, 10), H, a, supports=HARD), "narita", [0.0] * 8, H)
+    spec["regions"]["all"]["axis"] = [1.0, 0.0, 0.0]
+    found = bounded(spec | {"elements": {"plate": "dkt"}}, "frequency")
+    assert OMEGA * found["bound"] == pytest.approx(
+        np.pi**2 * np.sqrt(work.max()), rel=1.5e-2
+    )  # the mesh
+    assert np.abs(found["found_angles_deg"]) == pytest.approx(theta[work.argmax()], abs=1.0)
+    assert found["found_gap"] < 1e-2
+
+
 def test_the_clamped_square_of_narita() -> None:
-    """Nothing is better than his lay-up, of his angles or of any, but by what the bound says."""
+    """No lay-up of his angles or of any is better, but for what the bound says."""
     table = BEST["frequency"]["clamped"]
     spec = square(8, table["plies"], bound_angles_deg=STEPS)
     spec["supports"] = {name: {"at": name, "fixed": "all"} for name in HARD}
