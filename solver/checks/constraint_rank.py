@@ -108,7 +108,7 @@ FINE = 1e-5  # of a step: accuracy of the time of a minimum
 GOLDEN = 0.5 * (5.0**0.5 - 1.0)
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class Rank:
     """Scaled Jacobian of a state, and the smallest singular value that counts."""
 

@@ -29,7 +29,7 @@ PEAKS = 200  # of the kinetic energy that are kept of a block of output times
 LEAST, MOST = -200, 200  # exponents of two
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class StepSizes:
     """How many steps of each size a run has taken."""
 
@@ -49,7 +49,7 @@ class StepSizes:
         return float(np.maximum(self._count, self._time / max_step).sum())
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class Largest:
     """The largest value so far, and its time."""
 
@@ -63,7 +63,7 @@ class Largest:
             self.value, self.t = float(values[at]), float(t[at])
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class Past:
     """Largest violations and errors of the energy balance of a run."""
 
@@ -126,7 +126,7 @@ class Look(NamedTuple):
     strength: int | None = None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class FinishedRun:
     """Everything that the checks judge a run by.
 

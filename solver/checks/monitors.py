@@ -10,7 +10,7 @@ from .singularity import SingularityMonitor
 from .stability import BucklingMonitor, SpinMonitor
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class Monitors:
     """Spin, buckling and singular positions; the latter also follows the energy balance."""
 

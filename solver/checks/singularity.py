@@ -24,7 +24,7 @@ from ..results.run_result import ROUNDING
 from .constraint_rank import NEAR, ConstraintRank, Rank, new_observation, note, observe
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class EnergyMonitor:
     """Energy less the work done on the system: constant, but for the error of the run.
 
@@ -85,7 +85,7 @@ LOSS = 1e-3  # of the energy in play, there
 LOOK, RISE = 0.25, 4.0  # of the pivot where sigma was found last: found again beyond
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class _State:
     """What is kept of the end of a step."""
 
@@ -94,7 +94,7 @@ class _State:
     balance: float  # energy less the work done on the system [J]
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class SingularityMonitor:
     """Find singular positions as a run goes through them, and judge how it came out.
 

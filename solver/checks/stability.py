@@ -70,7 +70,7 @@ def _inertias(model: Model) -> dict[int, _Inertia]:
     return inertias
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class SpinMonitor:
     """Find the instant when spinning takes away the last stiffness of a linear body.
 
@@ -278,7 +278,7 @@ def _crossing(margin: Callable[[float], float], low: float, high: float, near: f
 STATES = 8  # groups of states whose rates and loads are kept
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class Loading:
     """Rates dy/dt (k, n) and marker loads (k, n_load, 6) of states, kept for all bodies.
 
@@ -371,7 +371,7 @@ def buckling_text(name: str, t: float, *, linear: bool = False) -> str:
     )
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class BucklingMonitor:
     """Find when elastic and geometric stiffness together lose an eigenvalue.
 

@@ -47,7 +47,7 @@ if TYPE_CHECKING:
     from ..inputs.case.tables.schema import Mechanism
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class VirtualBodies:
     """Tables of a mechanism, with virtual bodies after the others."""
 

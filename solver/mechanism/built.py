@@ -25,7 +25,7 @@ class BuiltJoint(NamedTuple):
     shift: Array  # (3,) vector from place one to two at the given start, in the joint's axes [m]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class BuiltMechanism:
     """A model with the names of its bodies, joints and places."""
 

@@ -229,7 +229,7 @@ _MAX_STEP = 0.5  # limit of one Newton correction, in `sizes_of_motion`, for rou
 _MAX_ITERATIONS = 60
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Redundancy:
     """Redundant constraint equations."""
 

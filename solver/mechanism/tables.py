@@ -66,7 +66,7 @@ def flexible_body(name: str, package: ModalPackage, *, stiffening: bool = False)
     return Body(name, package.invariants, package.mass, package.stiffness, package.damping, second)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class MarkerTable:
     """One marker: body index (GROUND = -1), rest frame, and its mode shapes."""
 
@@ -197,7 +197,7 @@ class CouplingRow(NamedTuple):
     terms: tuple[tuple[int, float], ...]  # coordinate and its ratio
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class Measured:
     """Coordinates, states, curves and sizes of reactions of a model, as they are added.
 

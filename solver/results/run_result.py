@@ -22,7 +22,7 @@ from ..math.arrays import Array, IntArray
 from ..package.common.dataset import Data, Nested
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Surface:
     """Triangles of a body; `p` counts points, `f` triangles."""
 
@@ -33,7 +33,7 @@ class Surface:
     site: Annotated[IntArray, Data("f, 3")]  # row of the sites at each corner, -1: none
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Sites:
     """Stations of a beam (j = 6 resultants), cells of a shell (j = 8), faces of a solid (j = 6).
 
@@ -56,7 +56,7 @@ class Sites:
     dimension: int = 1  # 1, 2, 3: strain energy for unit length, area or volume
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class BodyView:
     """How a body moves and what is known of it; `m` modes, `n` nodes as in BodyGeometry."""
 
@@ -85,7 +85,7 @@ def _made(surface: Surface) -> Surface:
     return surface
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Side:
     """One side of a joint or force element: a marker on a body, or on the ground (-1)."""
 
@@ -96,7 +96,7 @@ class Side:
     psi_B: Array  # (3, m) rotation per unit mode                [rad]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Link:
     """A joint of the case, or a force element between two places."""
 
@@ -106,7 +106,7 @@ class Link:
     free: tuple[str, ...] = ()  # free directions: x, y, z, about x, about y, about z
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Loads:
     """Loads for pictures: of joints and their drives, of force elements, on their second side."""
 
@@ -128,7 +128,7 @@ class ResultError(InputError):
     """A result cannot be written or read; the message names file and dataset."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Signal:
     """A named quantity over time."""
 
@@ -167,7 +167,7 @@ def relative_balance(energies: dict[str, Array]) -> Array:
     return np.asarray(error / energy_in_play(energies))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class BodyGeometry:
     """Geometry of a body for drawing, in its own frame."""
 
@@ -179,7 +179,7 @@ class BodyGeometry:
     view: BodyView | None = None  # what is needed to show it in motion
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Derivative:
     """The derivative of a signal by a parameter of the case, at the output times."""
 
@@ -190,7 +190,7 @@ class Derivative:
     values: Array  # (k,)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class RunResult:
     """All results of a run, at its k output times."""
 

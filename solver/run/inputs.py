@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from ..inputs.case.tables.schema import Fidelity, Mechanism
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class RunSpec:
     """A run as `check` wrote it, with its packages read.
 

@@ -48,7 +48,7 @@ NOTHING = 1e-13  # of the energy of a mechanism at its speed: round-off
 NOISE, MOST_NOISE = 1e3, 1e-2
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Prepared:
     """What a run has before its first step, and what judges it afterwards."""
 

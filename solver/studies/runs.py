@@ -52,7 +52,7 @@ run_one = partial(run_file, planned=_planned)
 DONE = "done"
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class Outcome:
     """What became of one run file: exit code, lines about it, errors."""
 

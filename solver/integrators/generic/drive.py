@@ -27,7 +27,7 @@ class StopRequest(NamedTuple):
 SLIDING, TOO_MANY = 20_000, 1_000_000
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Steps:
     """k steps: step i goes from t[i], y[i] to t[i + 1], y[i + 1]."""
 
@@ -118,7 +118,7 @@ class Noted:
         return steps
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Solution:
     """The solution of a run.
 

@@ -31,7 +31,7 @@ MASS_FORMS = get_args(MassForm)
 M6 = "N, N m, N m2"  # units of a 6x6 stiffness
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Invariants:
     """Sums over mass stations k that give the inertia of a moving flexible body.
 
@@ -53,7 +53,7 @@ class Invariants:
     mass_form: Annotated[str, Attribute("consistent")]  # one of MASS_FORMS
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Pieces:
     """Pieces of a body, for the products of phi q and q' h q in moments about the frame."""
 
@@ -66,7 +66,7 @@ class Pieces:
     ]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class SecondOrder:
     """Sums over the mass stations of `Invariants` with their second-order translation h_k.
 
@@ -80,7 +80,7 @@ class SecondOrder:
     pieces: Annotated[Pieces | None, Nested("pieces", packed=True)] = None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Interface:
     """A named point where joints, loads and masses attach.
 
@@ -107,7 +107,7 @@ class Interface:
     ] = None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class SectionData:
     """A beam cross-section of the body.
 
@@ -139,7 +139,7 @@ class SectionData:
     ] = None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class BodyRecovery:
     """Resultants of a beam at stations x along its reference line.
 
@@ -156,7 +156,7 @@ class BodyRecovery:
     A_BE: Annotated[Array, Data("3, 3", "-", "section to B", "rotation, section axes to body axes")]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class LaminateData:
     """A laminate of the body; plies are listed from bottom to top along e3."""
 
@@ -188,7 +188,7 @@ class LaminateData:
     ] = None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class CellResultants:
     """Mean resultants of cells: resultants_E[j] @ q are those of cell `cell[j]`."""
 
@@ -200,7 +200,7 @@ class CellResultants:
     ]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class FaceStresses:
     """Stresses at the middle of outer faces of a solid: stress_M[j] @ q are those of `cell[j]`.
 
@@ -221,7 +221,7 @@ class FaceStresses:
     ] = None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class ModalPackage:
     """One flexible body, reduced to its modes."""
 

@@ -488,7 +488,7 @@ def _fault(spec: Data, item: h5py.Dataset, sizes: Sizes) -> str:
     return ""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Reported:
     """Warnings {"code", "message"} as they are stored."""
 

@@ -45,7 +45,7 @@ UNITS = "SI"
 CHECKSUM = "content_sha256"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class FileFormat:
     """One file format: its name, version, and the group of its data."""
 
@@ -318,7 +318,7 @@ Object = TypeVar("Object")
 Loaded = TypeVar("Loaded")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class ObjectFormat(FileFormat, Generic[Object]):
     """The format of an object that a dataclass describes (dataset.py)."""
 

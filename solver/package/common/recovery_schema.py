@@ -26,7 +26,7 @@ class Ply:
     angle_deg: Annotated[float, Data("", "deg", "layer", "fibre angle from x1 towards y2")]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class SectionRecovery:
     """Data for strains and stresses of every integration point from the six resultants.
 

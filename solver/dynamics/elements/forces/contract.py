@@ -81,7 +81,7 @@ def as_given(values: Mapping[str, Any], shift: Array) -> Mapping[str, Any]:
     return values
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class ForceElement:
     """What all kinds have in common.
 
@@ -129,7 +129,7 @@ class State(NamedTuple):
     upwards: bool = True
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Terms:
     """A force as expressions (math/expressions/parse.py).
 
@@ -155,7 +155,7 @@ class Terms:
     friction: str = ""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class CoordinateForce(ForceElement):
     """A force along a coordinate of a joint, or along the line between two places.
 
@@ -173,7 +173,7 @@ class CoordinateForce(ForceElement):
     terms: Callable[[Mapping[str, Any]], Terms]
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Contact(CoordinateForce):
     """A contact of a sphere about the second place with a plane or a sphere at the first.
 
@@ -183,7 +183,7 @@ class Contact(CoordinateForce):
     """
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class KernelForce(ForceElement):
     """An element or a load, whose wrench is a kernel."""
 
@@ -193,7 +193,7 @@ class KernelForce(ForceElement):
         _check(self.kind, "wrench", self.wrench)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Load(KernelForce):
     """A load from outside at one place; nothing acts back.
 
@@ -204,7 +204,7 @@ class Load(KernelForce):
     parameters: ClassVar[tuple[str, ...]] = ("direction x", "direction y", "direction z")
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Element(KernelForce):
     """An element between two places.
 

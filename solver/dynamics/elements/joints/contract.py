@@ -71,7 +71,7 @@ X, Y, Z = (Displacement(name, axis) for axis, name in enumerate("xyz"))
 ANGLE = Angle("angle", "angle [rad] about the axis, over any number of turns", 1, 0, 1, 0)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Constraint:
     """What joints and drives have in common."""
 
@@ -95,13 +95,13 @@ class Constraint:
             )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class CouplingKind(Constraint):
     """Row of a coupling of several joints (dynamics/elements/couplings), which is filled
     elsewhere."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Drive(Constraint):
     """Rows that prescribe a coordinate; their kernel takes f, f_d, f_dd (OF_A_LAW).
 
@@ -142,7 +142,7 @@ def as_given(values: Mapping[str, Any], shift: Array) -> Numbers:
     return {key: float(value) for key, value in values.items() if key != "between"}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Joint(Constraint):
     """A joint of the case file.
 
