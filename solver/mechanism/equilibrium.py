@@ -5,9 +5,10 @@ columns of Z span the null space of Phi_q. Joints close together with the forces
 are those of the linear step: if joints were closed after each step, slender bodies would be
 stretched, and the forces of that would hide their stiffness in bending.
 
-At rest, if the stiffness has a negative eigenvalue on the way, the joints are closed after each
-step, and the step reduces the potential energy. The search therefore ends in a minimum, not in an
-unstable equilibrium. Following loads have no potential; for them, the work along the step is used.
+At rest, if these steps do not come to an end, the joints are closed after each step, and the step
+reduces the potential energy, also if the stiffness has a negative eigenvalue. The search ends in a
+minimum, not in an unstable equilibrium. Following loads have no potential; for them, the work along
+the step is used.
 """
 
 from typing import TYPE_CHECKING
@@ -470,9 +471,10 @@ def _newton(
 ) -> tuple[Array | None, Array]:
     """Return positions of equilibrium, or None and the unbalanced accelerations (n_vel,).
 
-    `stable`: also None if a motion has no stiffness, or a negative one, on the way.
+    `stable`: a minimum. Steps along motions of negative stiffness go down, by its magnitude.
     """
-    largest, push, last = 0.0, np.zeros(model.n_vel), [np.inf] * _PATIENCE
+    patience = 2 * _PATIENCE if stable else _PATIENCE
+    largest, push, last = 0.0, np.zeros(model.n_vel), [np.inf] * patience
     multipliers: Array | None = None
     for _ in range(_ITERATIONS):
         here = Turning(model, positions, spin)
@@ -484,19 +486,25 @@ def _newton(
         largest = max(largest, float(np.max(np.abs(g) / model.inertia_scale)))
         size = float(np.linalg.norm(unbalanced))
         K = here.stiffness(multipliers, free)
-        if stable and not np.all(np.linalg.eigvalsh(0.5 * (K + K.T)) > NEUTRAL):
-            return None, push
+        stiffness, directions = np.linalg.eigh(0.5 * (K + K.T)) if stable else (np.ones(1), K)
         if np.max(np.abs(Phi) / row_sizes(model, length), initial=0.0) < BALANCE_CLOSED and (
             np.max(np.abs(push), initial=0.0) <= BALANCED * max(largest, 1e-12)
             or np.all(np.abs(push) <= round_off(model, positions, spin.rate, K, free))
         ):
-            return positions, push
-        if size > FALLS * last[-_PATIENCE]:
+            if np.all(stiffness > -NEUTRAL):
+                return positions, push
+            step = free.Z @ directions[:, 0]
+            step *= _NUDGE / float(np.max(np.abs(step) / sizes_of_motion(model, length)))
+            positions, last = moved(model, positions, step), [np.inf] * patience
+            continue
+        if size > FALLS * last[-patience]:
             break  # the spin is to grow in steps
         last.append(size)
         turn = here.turn(free)
         if turn is not None:  # a turn as a whole changes nothing: its stiffness is round-off
             K = K + np.abs(K).max() * np.outer(turn, turn) / float(turn @ turn)
+        if stiffness.size and stiffness[0] < NEUTRAL:
+            K = (directions * np.maximum(np.abs(stiffness), NEUTRAL)) @ directions.T
         step = -free.P @ Phi
         unbalanced = unbalanced + free.Z.T @ here.change(multipliers, step)
         step = limited(step + free.Z @ _solved(K, unbalanced), sizes_of_motion(model, length))

@@ -108,28 +108,34 @@ def coupled(data: dict[str, Any], beam: int) -> tuple[np.ndarray, np.ndarray]:
     return K, SectionMass(0.04, np.zeros(3), 1e-6 * np.diag([2, 1, 1])).matrix()
 
 
+def beneath(data: dict[str, Any], beam: int, turned: float, grams: float) -> np.ndarray:
+    """Place 0.5 m from the root of a beam that is turned about its axis, under a weight."""
+    there = {"at": 0.5 / data["length"]}
+    places = {"root": {"at": "start"}, "there": there, "tip": {"at": "end"}}
+    body = {"elements": 44, "interfaces": places, "rotation_deg": [turned, 0.0, 0.0]}
+    table, load = cantilever(8, data["length"], body=body), [0.0, 0.0, -9.80665e-3 * grams]
+    return in_equilibrium(table, coupled(data, beam), "beam.there", load)
+
+
 @pytest.mark.parametrize("number", range(6))
 def test_loads_on_coupled_beams(reference: dict[str, Any], number: int) -> None:
     """Joints that are closed after each step stretch these slender beams: no equilibrium then."""
     data = reference["minguet"]
     curve, length = data["curves"][number], data["length"]
-    found = []
-    for grams in curve["load"]:
-        places = {"root": {"at": "start"}, "there": {"at": 0.5 / length}, "tip": {"at": "end"}}
-        body = {
-            "elements": 44,
-            "interfaces": places,
-            "rotation_deg": [float(curve["turned_deg"]), 0.0, 0.0],
-        }
-        table, weight = cantilever(8, length, body=body), -9.80665e-3 * grams
-        found.append(
-            in_equilibrium(table, coupled(data, curve["beam"]), "beam.there", [0.0, 0.0, weight])
-        )
+    found = [beneath(data, curve["beam"], curve["turned_deg"], grams) for grams in curve["load"]]
     _, sideways, up = np.transpose(found)
     np.testing.assert_allclose(-up, curve["down"], atol=data["tolerance"] * length)
     np.testing.assert_allclose(sideways, curve["sideways"], atol=data["tolerance"] * length)
     gap = np.linalg.norm(-up - curve["measured"]) / np.linalg.norm(curve["measured"])
     assert gap < data["measured_tolerance"]
+
+
+def test_beam_on_edge_buckles_aside(reference: dict[str, Any]) -> None:
+    """Upright it is in equilibrium, which is not stable."""
+    data, known = reference["minguet"], reference["buckled"]
+    x, y, z = beneath(data, 2, 90.0, known["load"])
+    gap = np.linalg.norm(np.subtract([x, abs(y), z], known["there"]))
+    assert gap < known["tolerance"] * data["length"]
 
 
 @pytest.mark.parametrize("number", range(2))
