@@ -4,9 +4,11 @@ Exact values: Navier's series of tests/reference/shells for plates, shear waves 
 Distorted: inner nodes shifted at random by up to a quarter of a cell.
 """
 
+import tomllib
+
 import numpy as np
 import pytest
-from samples.shell_benchmarks import expected, numbers
+from samples.shell_benchmarks import FILE, expected, numbers
 from samples.shell_squares import in_plane
 
 # The elements with both DOLFINx: test_shell_benchmarks.py.
@@ -45,6 +47,20 @@ def test_dkt_is_of_second_order_where_shear_does_not_count() -> None:
     error = np.abs(errors("mindlin_ss_uniform_Lh10000", "dkt", DISTORTED, (8, 16, 32)))
     assert error[-1] < 1.5e-3
     assert np.log2(error[0] / error[-1]) / 2.0 > 1.8
+
+
+TABLE = tomllib.loads((FILE.parent / "plates_by_element.toml").read_text(encoding="utf-8"))
+
+
+@pytest.mark.parametrize(
+    ("plate", "cells"), [("dst", 8), ("dst", 16), ("dkmt", 32), ("dkt", 32), ("mitc3", 8)]
+)
+def test_plates_have_the_digits_of_another_program(plate: str, cells: int) -> None:
+    found = [
+        numbers(f"mindlin_ss_uniform_Lh{ratio}", cells, elements={"plate": plate})[0]
+        for ratio in TABLE["slenderness"]
+    ]
+    assert found == pytest.approx(TABLE[plate][str(cells)], abs=TABLE["tolerance"])
 
 
 def test_dst_on_regular_isotropic_meshes() -> None:
