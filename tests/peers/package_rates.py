@@ -80,6 +80,7 @@ def errors(
         "second_order/G3": mass * shape * reach * turned,
         "second_order/G4": mass * (reach * turned) ** 2,
         "H_B": reach * turned,
+        "second_order/pieces/h_B": reach * turned,
         "H_psi_B": turned,
     }
     found = {}

@@ -42,7 +42,8 @@ from .modes import as_columns, free_or_held
 
 RIGID = 1e6  # transverse shear stiffness over the in-plane one
 NEAR = 2e-4  # relative difference of the basis
-MOST_CUTS, MOST_BASES, ROUNDS = 150, 15, 2  # iterations, and those of the search
+MOST_CUTS, MOST_BASES = 150, 15  # iterations
+FLIPS = 4  # starts of the search with other signs of the angles
 TURNS = ([10.0 * k for k in range(1, 18)], [-5.0, 5.0], [-2.0, 2.0], [-1.0, 1.0])  # of the search
 SAME = 1e-6  # relative difference of resultants by rounding
 
@@ -239,10 +240,13 @@ def bound(stressed: Stressed, of: str, begin: Progress) -> dict[str, object]:
             p, least = mixture.p, min(least, mixture.bound)
             if least < basis.value(p) * (1.0 + AGREED):
                 break
-    for near in (False, True) * ROUNDS:  # with the modes of the lay-ups that were found
+    rng = np.random.default_rng(0)
+    for near in (False, True):  # with the modes of the lay-up that was found
         basis = Basis(X, quantity.weighed(X), *linear)
         start = best if near else np.round(mixture.angles_deg)
-        angles = searched(basis, plies, start)
+        signs = rng.choice([-1.0, 1.0], (FLIPS, start.size))  # a mixture does not tell them
+        tried = [searched(basis, plies, each) for each in (start, *(signs * start))]
+        angles = max(tried, key=lambda each: basis.value(plies.parameters(each)))
         values, more = quantity.modes(stiffness(plies.parameters(angles)))
         X = np.c_[X, more]
         if values[0] > most:
