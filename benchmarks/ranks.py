@@ -1,12 +1,12 @@
-"""One large section and one large shell on 1, 2 and 4 ranks of MPI: time, memory, differences.
+"""One large section, shell and solid on 1, 2 and 4 ranks of MPI: time, memory, differences.
 
 . build/fenicsx.env && PYTHONPATH=.:tests "$FENICSX_PYTHON" benchmarks/ranks.py [--repeats N]
 
-Each rank runs `python -m plymotion.preprocess section|shell SPEC.json` as users do. Assembly is all
-from the mesh in memory to the rows that MUMPS gets, with what ranks exchange for them; its steps
-begin at the same time. Times are those of the processor, user and system: MPI waits busily, so
-waiting for other ranks is part of them. The slowest, or largest, rank counts; the least of runs in
-turns, because other work on the machine adds to all figures.
+Each rank runs `python -m plymotion.preprocess section|shell|body SPEC.json` as users do. Assembly
+is all from the mesh in memory to the rows that MUMPS gets, with what ranks exchange for them; its
+steps begin at the same time. Times are those of the processor, user and system: MPI waits busily,
+so waiting for other ranks is part of them. The slowest, or largest, rank counts; the least of runs
+in turns, because other work on the machine adds to all figures.
 """
 
 import json
@@ -27,16 +27,31 @@ RANKS = (1, 2, 4)
 QUIET = {"OMPI_MCA_mpi_yield_when_idle": "1", "OMPI_MCA_hwloc_base_binding_policy": "none"}
 
 
-def models() -> dict[str, dict[str, Any]]:
-    """A laminated box and a plate of triangles."""
+def models(folder: Path) -> dict[str, dict[str, Any]]:
+    """A laminated box, a plate of triangles and a bracket held at a bore."""
     from samples.section_cases import section
     from samples.shell_specs import plate
+    from samples.solid_samples import ALUMINIUM, bracket, step_file
+
+    step_file(folder / "bracket.step", bracket)
+    bore = {"radius": 0.008, "point": [0.015, 0.02, 0.0], "direction": [0.0, 0.0, 1.0]}
 
     clamped = {"root": {"at": "left", "fixed": "all"}}
     load = {"a": {"tip": {"at": "right", "force": [0.0, 0.0, 1.0]}}}
     return {
         "section": section("21_box_layup2", 4.3),
         "shell": plate(223, 0.01, supports=clamped, loads=load),
+        "body": {
+            **{"body": "bracket", "kind": "solid", "damping_ratio": 0.0},
+            "solid": {
+                "mesh": {"file": str(folder / "bracket.step"), "size": 0.00215},
+                "materials": {"alloy": ALUMINIUM},
+                "regions": {"all": {"material": "alloy"}},
+            },
+            "reference": {"kind": "clamped", "at": "bore"},
+            "modes": [{"kind": "lowest", "count": 20}],
+            "interfaces": {"bore": {"bore": bore, "link": "rigid", "rotation_deg": [0.0] * 3}},
+        },
     }
 
 
@@ -44,6 +59,7 @@ def as_rank(folder: Path, words: list[str]) -> int:
     """The command; its figures go into a file for each rank."""
     from plymotion.preprocess.__main__ import main
     from plymotion.preprocess.fenicsx import stack
+    from plymotion.preprocess.fenicsx.assembly import SolidSpace
     from plymotion.preprocess.fenicsx.team import Distribution
     from plymotion.preprocess.section.space.numbering import Pattern, Restriction
     from plymotion.preprocess.section.space.space import SectionSpace
@@ -56,14 +72,14 @@ def as_rank(folder: Path, words: list[str]) -> int:
     for owner, name in (
         *((SectionSpace, "__init__"), (Pattern, "__init__"), (SectionSpace, "E")),
         *((Restriction, "matrix"), (Assembly, "matrix"), (Freedom, "reduced")),
-        (Distribution, "matrix"),
+        *((SolidSpace, "__init__"), (SolidSpace, "matrix"), (Distribution, "matrix")),
     ):
         setattr(owner, name, timed(getattr(owner, name), spent))
     start = time.perf_counter()
     code = main(words)
     found = {
         "assembly": spent[0],
-        "whole": time.process_time(),
+        "whole": sum(os.times()[:4]),  # with gmsh, which solids have in a process of its own
         "elapsed": time.perf_counter() - start,
         "MB": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0,
     }
@@ -99,7 +115,8 @@ def measured(n: int, words: list[str]) -> dict[str, float]:
 
 
 def difference(kind: str, one: Path, other: Path) -> float:
-    """Of K, scaled by its diagonal, or of the displacements, from those of one rank."""
+    """Of K, scaled by its diagonal, the displacements or the frequencies, from one rank."""
+    from plymotion.solver.package import read_package
     from plymotion.solver.package.section.section_file import read_section
     from plymotion.solver.package.shell.shell_file import read_shell
 
@@ -107,6 +124,9 @@ def difference(kind: str, one: Path, other: Path) -> float:
         a, b = read_section(one).K, read_section(other).K
         size = np.sqrt(np.diag(a))
         return float(np.abs((b - a) / np.outer(size, size)).max())
+    if kind == "body":
+        a, b = read_package(one).frequencies, read_package(other).frequencies
+        return float(np.abs(b / a - 1.0).max())
     u, v = (read_shell(file).cases.displacements_G for file in (one, other))
     return float(np.abs(v - u).max() / np.abs(u).max())
 
@@ -120,7 +140,7 @@ def main() -> None:
     print("|---|---|---|---|---|---|---|")
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        for kind, spec in models().items():
+        for kind, spec in models(folder).items():
             file = folder / f"{kind}.json"
             file.write_text(json.dumps(spec))
             runs: dict[int, list[dict[str, float]]] = {n: [] for n in RANKS}

@@ -32,7 +32,7 @@ COMMANDS = {
     "section": "analyse cross-sections: stiffness, mass, recovery of stresses",
     "shell": "analyse laminated plates and shells: load cases and natural modes",
 }
-WITH_RANKS = ("section", "shell")
+WITH_RANKS = ("section", "shell", "solid")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -116,7 +116,7 @@ def _add_arguments(parser: argparse.ArgumentParser, name: str) -> None:
         add("--no-estimate", action="store_true", help="skip the error estimate (faster)")
         text = "only the k-th of N shares"
         add("--shard", type=shard, default=(1, 1), metavar="k/N", help=text)
-    if name in WITH_RANKS:
+    if name in ("section", "shell"):
         text = "compute K, or energies and frequencies, by a second method as well, and compare"
         add("--verify", action="store_true", help=text)
     add("--json", action="store_true", help=f"print one line of JSON per {of}")

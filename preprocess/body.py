@@ -5,6 +5,7 @@ import json
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 from ..solver.package.body.package_schema import ModalPackage, SectionData
 from ..solver.package.common.design import moved
@@ -33,12 +34,13 @@ from .section.section_analysis import analyse
 RECOVERY_DEGREE = 3
 
 
-def build_body(spec: Mapping[str, object]) -> ModalPackage:
+def build_body(spec: Mapping[str, object], **team: Any) -> ModalPackage:
     """Build the package of a beam, a shell or a solid.
 
     Parameters
     ----------
     spec : plain JSON, see solver/package/specification.py
+    team : of a solid: processes that share it
 
     Raises
     ------
@@ -55,7 +57,7 @@ def build_body(spec: Mapping[str, object]) -> ModalPackage:
     if spec.get("kind") == "solid":
         from .solid.solid_body import build_solid_body
 
-        return build_solid_body(spec)
+        return build_solid_body(spec, **team)
     return _build_beam(spec)
 
 

@@ -23,44 +23,6 @@ from .batch import Made, Progress, build_all, reporter
 LAUNCHERS = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_RANK", "MPI_LOCALNRANKS")
 
 
-class BodyPackages:
-    """Makes the modal package of one body from its specification."""
-
-    def unchanged(self, target: Path, spec: Mapping[str, object]) -> bool:
-        """True if the target is a valid package made from the same inputs."""
-        return has_fingerprint(target, fingerprint(spec))
-
-    def make(self, spec: Mapping[str, object], target: Path) -> Made:
-        """Build and write the package; FEniCSx is loaded only if it is needed."""
-        from ..solver.package.validation import write_valid
-
-        start = time.perf_counter()
-        kind = spec.get("kind")
-        if kind in ("imported", "solid") and spec.get("design"):
-            raise SpecError(
-                f"design: a body of kind {kind!r} has no derivatives by design parameters; "
-                "expected a beam or a shell"
-            )
-        if kind == "imported":
-            from .exchange.import_file import build_imported
-
-            package = build_imported(spec)
-        else:
-            from .body import build_body
-
-            package = build_body(spec)
-        write_valid(target, package, f"body {package.body}", own=True)  # also a damaged one
-        seconds, dofs = package.provenance["seconds"], package.provenance["dofs"]
-        hertz = package.frequencies / (2.0 * math.pi)
-        span = f", {hertz[0]:.4g} to {hertz[-1]:.4g} Hz" if len(hertz) else ""
-        first = next(iter(seconds))  # "section" of a beam, "shell"
-        return (
-            f"{first} {seconds[first]:.2f} s, modes {seconds['modes']:.2f} s, "
-            f"{dofs.get('section', dofs['body'])} dofs ({time.perf_counter() - start:.2f} s in "
-            f"all; {package.n_mode} modes{span})"
-        ), package.provenance["warnings"]
-
-
 class AnalysedFiles:
     """Writes the results file of each specification.
 
@@ -76,7 +38,7 @@ class AnalysedFiles:
     ) -> None:
         self.options, self.team, self.progress = options, team, progress
 
-    def inputs(self, spec: Mapping[str, object]) -> dict[str, object]:
+    def inputs(self, spec: Mapping[str, object]) -> Mapping[str, object]:
         """All inputs of a file, for its fingerprint."""
         raise NotImplementedError
 
@@ -96,6 +58,7 @@ class AnalysedFiles:
 
     def make(self, spec: Mapping[str, object], target: Path) -> Made:
         """Analyse and write the file."""
+        start = time.perf_counter()
         with self._together():
             result = self.analyse(spec, **({} if self.team is None else {"team": self.team}))
         with self._together():
@@ -103,6 +66,10 @@ class AnalysedFiles:
             result = dataclasses.replace(result, provenance={**result.provenance, **more})
             if self.team is None or self.team.rank == 0:
                 self.write(target, result)
+        return self.summary(result, time.perf_counter() - start)
+
+    def summary(self, result: Any, seconds: float) -> Made:
+        """What was made in so many seconds, and its warnings."""
         return f"{result.provenance['dofs']} dofs", result.warnings
 
     @contextmanager
@@ -117,6 +84,53 @@ class AnalysedFiles:
             failed = error
         if self.team is not None:
             self.team.agree(failed)
+
+
+class BodyPackages(AnalysedFiles):
+    """Writes the modal package of each body; several processes share solids only."""
+
+    def inputs(self, spec: Mapping[str, object]) -> Mapping[str, object]:
+        """The specification."""
+        return spec
+
+    def analyse(self, spec: Mapping[str, object], **team: Any) -> Any:
+        """Build the package; FEniCSx is loaded only if it is needed."""
+        kind = spec.get("kind")
+        if kind in ("imported", "solid") and spec.get("design"):
+            raise SpecError(
+                f"design: a body of kind {kind!r} has no derivatives by design parameters; "
+                "expected a beam or a shell"
+            )
+        if self.team is not None and self.team.size > 1 and kind != "solid":
+            raise SpecError(
+                f"mpirun started {self.team.size} processes: expected one, as ranks share no body "
+                f"of kind {kind or 'beam'!r}"
+            )
+        if kind == "imported":
+            from .exchange.import_file import build_imported
+
+            return build_imported(spec)
+        from .body import build_body
+
+        return build_body(spec, **team)
+
+    def write(self, target: Path, result: Any) -> None:
+        """Write the package, over a damaged one, too."""
+        from ..solver.package.validation import write_valid
+
+        write_valid(target, result, f"body {result.body}", own=True)
+
+    def summary(self, result: Any, seconds: float) -> Made:
+        """Times, unknowns, frequencies."""
+        parts, dofs = result.provenance["seconds"], result.provenance["dofs"]
+        hertz = result.frequencies / (2.0 * math.pi)
+        span = f", {hertz[0]:.4g} to {hertz[-1]:.4g} Hz" if len(hertz) else ""
+        first = next(iter(parts))  # "section" of a beam, "shell"
+        return (
+            f"{first} {parts[first]:.2f} s, modes {parts['modes']:.2f} s, "
+            f"{dofs.get('section', dofs['body'])} dofs ({seconds:.2f} s in all; {result.n_mode} "
+            f"modes{span})"
+        ), result.provenance["warnings"]
 
 
 class SectionFiles(AnalysedFiles):
@@ -184,14 +198,7 @@ FILES: dict[str, type[AnalysedFiles]] = {
 
 def run(options: argparse.Namespace) -> int:
     """Make the files that a command asks for; returns the exit code."""
-    files = FILES.get(options.command)
-    team = launched_ranks()
-    if team is not None and not files:
-        if team.size > 1:
-            raise InputError(
-                f"mpirun started {team.size} processes: expected one, as ranks do not share a body"
-            )
-        team = None
+    files, team = FILES.get(options.command, BodyPackages), launched_ranks()
     listed = options.specs == [Path("-")]  # names follow on standard input
 
     def target_of(spec: Path) -> Path:
@@ -200,7 +207,7 @@ def run(options: argparse.Namespace) -> int:
 
     # With names from standard input, each rank reports to the process that started it.
     with reporter(options.json, team is None or team.rank == 0 or listed) as (report, progress):
-        product = files(options, team, progress) if files else BodyPackages()
+        product = files(options, team, progress)
         build = partial(build_all, product, target_of=target_of, force=options.force, report=report)
         if listed:
             names = (Path(line.rstrip("\n")) for line in sys.stdin)

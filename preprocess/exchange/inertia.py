@@ -21,6 +21,7 @@ from ...solver.package import Invariants, from_stations
 from ...solver.package.body.package_schema import SecondOrder
 from ..modes.reduced import square, turned
 from ..modes.reference import Condition
+from ..parts import own
 from .free_body import FreeBody
 from .imported_interfaces import Constrained, Link
 
@@ -47,17 +48,18 @@ def inertia(body: FreeBody, shapes: Array) -> Inertia:
     number[body.dof_node, body.dof_direction] = np.arange(len(body.dof_node))
     used = np.flatnonzero(number[:, 0] >= 0)
     blocks = [body.M[number[used, a]] for a in range(3)]
-    Ms = sp.csr_matrix(blocks[0][:, number[used, 0]])
+    Ms = blocks[0][:, number[used, 0]].tocsr()
     X = np.moveaxis(shapes, 0, 2)  # (n, 6, m)
     lumped = _lumped(body, number, Ms, used)
-    off_diagonal = body.M - sp.diags(body.M.diagonal())
-    if np.abs(off_diagonal.data).max(initial=0.0) <= SAME * np.abs(body.M.data).max():
+    M = own(body.M)
+    off_diagonal = M - sp.diags(M.diagonal())
+    if np.abs(off_diagonal.data).max(initial=0.0) <= SAME * np.abs(M.data).max():
         m, J = lumped
         sums = from_stations(m, body.nodes, X[:, :3], X[:, 3:], J, "lumped")
         return Inertia(sums, m, J, "diagonal mass: sums over the nodes")
     same = all(
-        np.abs((blocks[a][:, number[used, b]] - float(a == b) * Ms).data).max(initial=0.0)
-        <= SAME * np.abs(Ms.data).max()
+        np.abs(own(blocks[a][:, number[used, b]] - float(a == b) * Ms).data).max(initial=0.0)
+        <= SAME * np.abs(own(Ms).data).max()
         for a, b in np.ndindex(3, 3)
     )
     if (body.dof_direction < 3).all() and same:
@@ -73,7 +75,7 @@ def _consistent(Ms: sp.csr_matrix, x: Array, phi: Array) -> Invariants:
     Mx, Mphi = Ms @ x, Ms @ flat
     T11 = (flat.T @ Mphi).reshape(3, m, 3, m).transpose(0, 2, 1, 3)
     return Invariants(
-        mass=float(Ms.sum()),
+        mass=float((Ms @ np.ones(len(x))).sum()),
         S0_B=Mx.sum(axis=0),
         S_B=Mphi.sum(axis=0).reshape(3, m),
         T00_B=_symmetric(x.T @ Mx),

@@ -8,6 +8,7 @@ import scipy.sparse.csgraph as graphs
 
 from ...solver.errors import InputError
 from ...solver.math.arrays import Array
+from ..parts import Part, own
 from .free_body import DIRECTIONS, FreeBody
 
 SYMMETRY = 1e-8  # |A - A'| relative to the largest entry
@@ -61,7 +62,7 @@ def _labels(body: FreeBody) -> None:
 
 
 def _matrices(body: FreeBody) -> None:
-    for name, A in (("stiffness", body.K), ("mass", body.M)):
+    for name, A in (("stiffness", own(body.K)), ("mass", own(body.M))):
         if not np.isfinite(A.data).all():
             raise InputError(f"{body.where}: {name}: expected finite numbers, found nan or inf")
         largest = float(np.abs(A.data).max(initial=0.0))
@@ -105,6 +106,7 @@ def _one_part(body: FreeBody) -> None:
         shape=(len(body.nodes), len(body.dof_node)),
     )
     pattern = together @ (abs(body.K) + abs(body.M)) @ together.T
+    pattern = pattern.whole() if isinstance(pattern, Part) else pattern
     _, part = graphs.connected_components(pattern, directed=False)
     used = np.unique(body.dof_node)
     parts, first = np.unique(part[used], return_index=True)

@@ -5,6 +5,7 @@ mesh of DOLFINx; the meshes of both kinds are assembled into one matrix of PETSc
 UFL. Importing this module loads DOLFINx and UFL."""
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -27,6 +28,7 @@ from .spaces import (
     vector_space,
 )
 from .stack import MPI, PETSc, dolfinx
+from .team import ALONE, Team
 
 DOFS = 6  # of a node: ux uy uz rx ry rz
 AROUND = {3: [0, 1, 2], 4: [0, 1, 3, 2]}  # corners around a cell, from or to DOLFINx's order
@@ -114,9 +116,10 @@ class SurfacePattern:
 
 
 class SolidSpace:
-    """Displacements on cells of degree 2.
+    """Displacements on cells of degree 2, of which each process of a team has a share.
 
-    Those of degree 2 have an unknown at every node of the mesh, in its order.
+    Those of degree 2 have an unknown at every node of the mesh, in its order. Other degrees are for
+    one process.
 
     Attributes
     ----------
@@ -124,16 +127,22 @@ class SolidSpace:
     points : (n, 3) where the unknowns are [m]
     """
 
-    def __init__(self, plain: PlainMesh, degree: int = 2) -> None:
-        self._mesh = dolfinx_mesh(plain)
-        self._plain = plain
+    def __init__(self, plain: PlainMesh, degree: int = 2, team: Team = ALONE) -> None:
+        own = team.slice_of(plain.points[plain.cells].mean(axis=1))
+        used, inverse = np.unique(plain.cells[own], return_inverse=True)
+        cells, region = inverse.reshape(-1, plain.cells.shape[1]), plain.region[own]
+        self._plain = replace(plain, points=plain.points[used], cells=cells, region=region)
+        self._mesh, self._team = dolfinx_mesh(self._plain), team
         self.space = vector_space(self._mesh, degree, 3)
-        self._cells = original_cells(self._mesh)
+        self._cells = own[original_cells(self._mesh)]  # rows of the plain mesh
+        self._here = np.full(len(plain.cells), -1)  # cells of DOLFINx; -1: of other processes
+        self._here[self._cells] = np.arange(len(own))
+        self._nodes = used[nodes_of_cells(self._mesh)]
         self.points = dof_coordinates(self.space)
         self._row = np.arange(len(self.points))
         if degree == 2:  # geometry and space share the element
             self.points = plain.points
-            self._row[cell_dofs(self.space)] = nodes_of_cells(self._mesh)
+            self._row[cell_dofs(self.space)] = self._nodes
 
     def of_cells(self, values: Array) -> Any:
         """A coefficient with a constant tensor in each cell of the plain mesh, (c, ...)."""
@@ -153,8 +162,9 @@ class SolidSpace:
         self, owner: IntArray, corners: IntArray
     ) -> Iterator[tuple[int, IntArray, IntArray]]:
         """Yield each face of the cells of DOLFINx, its unknowns, and the cells that have it."""
-        cell = np.argsort(self._cells)[owner]
-        is_corner = (nodes_of_cells(self._mesh)[cell][:, :, None] == corners[:, None]).any(axis=2)
+        cell = self._here[owner]
+        cell, corners = cell[cell >= 0], corners[cell >= 0]
+        is_corner = (self._nodes[cell][:, :, None] == corners[:, None]).any(axis=2)
         vertices = 4 if self._plain.cell == "tetrahedron" else 8
         for face in range(4 if vertices == 4 else 6):
             closure = np.array(self.space.dofmap.dof_layout.entity_closure_dofs(2, face))
@@ -164,7 +174,7 @@ class SolidSpace:
         """Points on faces, given by cells (f,) and corners (f, 3 or 4) of the plain mesh."""
         dofs, faces = cell_dofs(self.space), self._faces(owner, corners)
         rows = [dofs[cells][:, closure].ravel() for _, closure, cells in faces]
-        return np.unique(self._row[np.concatenate(rows)])
+        return np.unique(self._team.stacked(self._row[np.concatenate(rows)]))
 
     def over_faces(self, owner: IntArray, corners: IntArray) -> Any:
         """UFL's measure of integration over such faces."""
@@ -184,14 +194,17 @@ class SolidSpace:
         """Give a field the displacements u (n, 3) of the nodes."""
         field.x.array[:] = u[self._row].ravel()
 
-    def matrix(self, form: Any) -> sp.csr_matrix:
-        """A symmetric bilinear form, (3 n, 3 n), node by node."""
-        A, order = assembled(form), self._order
+    def matrix(self, form: Any) -> Any:
+        """A symmetric bilinear form, (3 n, 3 n), node by node, or the part of this process."""
+        A, order, n = assembled(form), self._order, 3 * len(self.points)
+        starts = np.zeros(n + 1, dtype=A.indptr.dtype)
+        starts[1 + order] = np.diff(A.indptr)
         A = A[np.argsort(order)]
-        A = sp.csr_matrix((A.data, order[A.indices], A.indptr), shape=A.shape)
+        A = sp.csr_matrix((A.data, order[A.indices], starts.cumsum()), shape=(n, n))
         A.sort_indices()
         A.data = 0.5 * (A.data + A.T.tocsr().data)  # the pattern is symmetric
-        return A
+        A.eliminate_zeros()  # two thirds of a mass matrix
+        return self._team.part(A)
 
     def vectors(self, form: Any) -> Callable[[], Array]:
         """Assembles a linear form with the present values of its fields, (3 n,)."""
@@ -199,10 +212,10 @@ class SolidSpace:
 
         def vector() -> Array:
             assembled = dolfinx.fem.petsc.assemble_vector(compiled)
-            out = np.empty(3 * len(self.points))
+            out = np.zeros(3 * len(self.points))
             out[self._order] = assembled.getArray()
             assembled.destroy()
-            return out
+            return self._team.total(out)
 
         return vector
 

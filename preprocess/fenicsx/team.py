@@ -6,13 +6,16 @@ the sum."""
 
 import sys
 import time
+from collections.abc import Callable
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
+from numpy.typing import NDArray
 
 from ...solver.math.arrays import Array, IntArray
+from ..parts import Part
 from . import stack
 
 
@@ -43,6 +46,30 @@ class Team:
         """The share of `count` items of this process."""
         return slice(count * self.rank // self.size, count * (self.rank + 1) // self.size)
 
+    def slice_of(self, centres: Array) -> IntArray:
+        """The share of cells of this process: a slice across their longest direction."""
+        along = np.argsort(centres[:, np.argmax(np.ptp(centres, axis=0))], kind="stable")
+        return np.sort(along[self.share(len(centres))])
+
+    def first(self, make: Callable[[], Any]) -> Any:
+        """What the first process makes, or the error that it raises, on all processes."""
+        if self.size == 1:
+            return make()
+        made, error = None, None
+        if self.rank == 0:
+            try:
+                made = make()
+            except Exception as raised:
+                error = raised
+        made, error = self.comm.bcast((made, error))
+        if error is not None:
+            raise error
+        return made
+
+    def part(self, own: sp.csr_matrix) -> Any:
+        """The matrix of which this process has a part."""
+        return own if self.size == 1 else Part(own, self)
+
     def total(self, part: Array) -> Array:
         """Sum over the team, returned on all processes."""
         if self.size == 1:
@@ -56,7 +83,7 @@ class Team:
         self.comm.Allreduce(stack.MPI.IN_PLACE, values, op=stack.MPI.MIN)
         return values
 
-    def stacked(self, part: Array) -> Array:
+    def stacked(self, part: NDArray[Any]) -> NDArray[Any]:
         """Concatenated rows of all processes, returned on all processes."""
         if self.size == 1:
             return part
@@ -85,6 +112,7 @@ class Distribution:
         self.team, self.n = team, parts[0].shape[0]
         self.rows: Any = slice(0, self.n)  # of this process
         self.n_own = self.n
+        self.number = np.arange(self.n, dtype=stack.PETSc.IntType)  # of each row in PETSc
         if team.size == 1:
             return
         filled = np.logical_or.reduce([np.diff(part.indptr) > 0 for part in parts])
@@ -98,9 +126,8 @@ class Distribution:
         self.rows = np.concatenate([inner, shared[team.rank]])
         self._elsewhere = np.concatenate([*shared[: team.rank], *shared[team.rank + 1 :]])
         self.n_own, self._n_inner = len(self.rows), len(inner)
-        number = np.empty(self.n, dtype=stack.PETSc.IntType)
-        number[self._order] = np.arange(self.n)
-        self._numbering = stack.PETSc.LGMap().create(number, comm=stack.MPI.COMM_SELF)
+        self.number[self._order] = np.arange(self.n)
+        self._numbering = stack.PETSc.LGMap().create(self.number, comm=stack.MPI.COMM_SELF)
 
     def matrix(self, part: sp.csr_matrix, *, spd: bool) -> Any:
         """The sum of parts as a symmetric matrix of PETSc, which may be positive definite."""
@@ -148,7 +175,7 @@ class Distribution:
 
 def whole(part: sp.csr_matrix, team: Team) -> sp.csr_matrix:
     """The sum of the parts of a small matrix, on all processes."""
-    return part if team.size == 1 else sp.csr_matrix(team.total(part.toarray()))
+    return part if team.size == 1 else Part(part, team).whole()
 
 
 # Maximum time between the ranks at the end of an analysis, and after an error of one of them [s].

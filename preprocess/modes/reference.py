@@ -23,6 +23,7 @@ import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
 from ...solver.math.arrays import Array, IntArray, smallest_eigenvalue
+from ..parts import Part
 
 # Dofs of the nodes that carry a frame which are zero in it, by kind of the condition.
 HELD = {"clamped": (range(6),), "chord": ((0, 1, 2, 3), (1, 2))}
@@ -114,7 +115,7 @@ class HeldDofs:
     """Frame fixed to six dofs."""
 
     def __init__(self, K: Any, M: Any, held: IntArray, algebra: "Algebra | None" = None) -> None:
-        self.K, self.M = sp.csr_matrix(K), sp.csr_matrix(M)
+        self.K, self.M = K.tocsr(), M.tocsr()
         self.algebra = algebra or SCIPY
         self.free = np.setdiff1d(np.arange(self.K.shape[0]), held)
         self._K_free, self._M_free = (principal(A, self.free) for A in (self.K, self.M))
@@ -175,7 +176,7 @@ class MeanAxis:
         they carry the loads of static shapes.
         """
         self.algebra = algebra or SCIPY
-        self.K, self.M, self.rigid = sp.csr_matrix(K), sp.csr_matrix(M), rigid
+        self.K, self.M, self.rigid = K.tocsr(), M.tocsr(), rigid
         self._MR = self.M @ rigid
         inertia = rigid.T @ self._MR
         size = np.sqrt(np.abs(np.diag(inertia)))
@@ -265,6 +266,8 @@ def rayleigh(K: Any, M: Any, X: Array) -> Array:
 
 def principal(A: sp.csr_matrix, kept: IntArray) -> sp.csr_matrix:
     """Rows and columns `kept` of a matrix, without stored zeros."""
+    if isinstance(A, Part):
+        return Part(principal(A.own, kept), A.team)
     number = np.full(A.shape[0], -1, dtype=A.indices.dtype)
     number[kept] = np.arange(len(kept))
     row = np.repeat(number, np.diff(A.indptr))
@@ -278,7 +281,7 @@ def principal(A: sp.csr_matrix, kept: IntArray) -> sp.csr_matrix:
 
 def _massive(M: Any) -> int:
     """Number of dofs with mass: a dof without mass gives no mode."""
-    return int(np.count_nonzero(np.abs(M).sum(axis=1)))
+    return int(np.count_nonzero(abs(M) @ np.ones(M.shape[0])))
 
 
 def negative_pivots(A: Any) -> int:

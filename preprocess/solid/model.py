@@ -17,6 +17,8 @@ from ..exchange.import_table import InterfaceTable
 from ..exchange.imported_interfaces import Constrained
 from ..fenicsx import PlainMesh
 from ..fenicsx.assembly import SolidSpace
+from ..fenicsx.team import ALONE, Team
+from ..parts import own
 from .forms import MASS_DEGREE, Elasticity, mass, pressure, stiffness_rule
 from .materials import CellMaterials, cell_materials
 from .places import interface_faces
@@ -28,8 +30,9 @@ class Mumps:
 
     counts = True
 
-    def __init__(self, parts: Constrained) -> None:
+    def __init__(self, parts: Constrained, team: Team = ALONE) -> None:
         del parts  # MUMPS orders by the pattern of the matrix
+        self._team = team
         self._last: tuple[Any, Any] | None = None
 
     def add_subset(self, kept: IntArray) -> None:
@@ -38,20 +41,26 @@ class Mumps:
     def solve(self, A: Any, B: Array) -> Array:
         """Solve A X = B; factors of the same A are used again."""
         if self._last is None or self._last[0] is not A:
-            self._last = A, fenicsx.cholesky(A, solid=True)
+            self._forget()
+            self._last = A, fenicsx.cholesky(own(A), self._team, solid=True)
         return np.asarray(self._last[1].solve(B))
+
+    def _forget(self) -> None:
+        if self._last is not None:
+            self._last[1].close()
+        self._last = None
 
     def negative_pivots(self, A: Any) -> int:
         """Number of negative eigenvalues of A. Raises ArithmeticError if A is singular."""
         try:
-            return fenicsx.negative_pivots(A, solid=True)
+            return fenicsx.negative_pivots(own(A), self._team, solid=True)
         except fenicsx.InertiaError as error:
             raise ArithmeticError(str(error)) from error
 
     def eigenpairs(self, K: Any, M: Any, count: int) -> tuple[Array, Array]:
         """Lowest values (count,) and vectors of K x = value M x."""
-        self._last = None
-        return fenicsx.eigenpairs(K, M, count, solid=True)
+        self._forget()
+        return fenicsx.eigenpairs(own(K), own(M), count, team=self._team, solid=True)
 
 
 class Iterative:
@@ -62,8 +71,8 @@ class Iterative:
 
     counts = False
 
-    def __init__(self, plain: PlainMesh, parts: Constrained) -> None:
-        P = _coarse(plain, parts)
+    def __init__(self, plain: PlainMesh, parts: Constrained, team: Team = ALONE) -> None:
+        P, self._team = _coarse(plain, parts), team
         self._P = {P.shape[0]: P}
         self._last: tuple[Any, Any] | None = None
 
@@ -89,7 +98,7 @@ class Iterative:
         if self._last is None or self._last[0] is not A:
             if self._last is not None:
                 self._last[1].close()
-            self._last = A, fenicsx.TwoGrids(A, self._P[A.shape[0]])
+            self._last = A, fenicsx.TwoGrids(A, self._P[A.shape[0]], self._team)
         return self._last[1]
 
 
@@ -129,6 +138,8 @@ class SolidModel:
     interfaces : `SolidInterfaceTable` by name
     where : key of the body in a case, for messages; "" if the description has its interfaces
     size : of the cells [m], in place of that of the description
+    team : processes that all make the same model: the first makes the mesh, each has the matrices
+        of its own cells
 
     Raises SolidError.
     """
@@ -139,9 +150,13 @@ class SolidModel:
         interfaces: Mapping[str, Any],
         where: str = "",
         size: float | None = None,
+        team: Team = ALONE,
     ) -> None:
         self.where, self.described = where, f"{where}.solid: " if where else ""
-        self.mesh: SolidMesh = solid_mesh(solid["mesh"], f"{self.described}mesh", size)
+        self.mesh: SolidMesh = team.first(
+            lambda: solid_mesh(solid["mesh"], f"{self.described}mesh", size)
+        )
+        self.team = team if len(self.mesh.plain.cells) >= team.size else ALONE
         self.materials: CellMaterials = cell_materials(
             self.mesh, solid["regions"], solid["materials"], self.described
         )
@@ -154,7 +169,7 @@ class SolidModel:
     @cached_property
     def space(self) -> SolidSpace:
         """Displacements of the nodes."""
-        return SolidSpace(self.mesh.plain)
+        return SolidSpace(self.mesh.plain, team=self.team)
 
     def elasticity(self, space: SolidSpace, degree: int = 2) -> Elasticity:
         """Stresses of strains; where material axes change within cells, C is that of each point."""
@@ -185,7 +200,8 @@ class SolidModel:
     @property
     def solver(self) -> Callable[[Constrained], Solver]:
         """Makes the solver of the reduced unknowns: by factors, or with less memory."""
-        return Mumps if self.counts else partial(Iterative, self.mesh.plain)
+        kind = Mumps if self.counts else partial(Iterative, self.mesh.plain)
+        return partial(kind, team=self.team)
 
     def unit_pressure(self, name: str) -> Array:
         """Nodal forces (3 n,) of a pressure of 1 Pa on the faces of an interface."""

@@ -14,6 +14,7 @@ from ..exchange.free_body import FreeBody
 from ..exchange.import_table import SI, InterfaceTable
 from ..exchange.imported_interfaces import Constrained, constrained, links
 from ..exchange.reduce import reduce_body
+from ..fenicsx.team import ALONE, Team
 from ..modes.reference import Algebra, HeldDofs
 from .model import Mumps, SolidModel
 from .solid_mesh import SolidError, edge_length
@@ -91,7 +92,9 @@ class HeldSolid:
         )
 
 
-def free_hertz(body: FreeBody, count: int) -> Array:
+def free_hertz(
+    body: FreeBody, count: int, solver: Callable[[Constrained], Solver] = Mumps
+) -> Array:
     """Lowest elastic frequencies of the free solid, without rigid interfaces [Hz]."""
     package = reduce_body(
         body,
@@ -102,9 +105,14 @@ def free_hertz(body: FreeBody, count: int) -> Array:
             "interfaces": {},
             "units": SI,
         },
-        solver=Mumps,
+        solver=solver,
     )
     return np.asarray(package.frequencies / (2.0 * np.pi))
+
+
+def _richer_hertz(model: SolidModel) -> Array:
+    found: Array = model.team.first(lambda: free_hertz(model.richer(), COMPARED))
+    return found
 
 
 def _hertz(values: Array) -> Array:
@@ -112,24 +120,27 @@ def _hertz(values: Array) -> Array:
 
 
 def accurate_model(
-    solid: Mapping[str, Any], interfaces: Mapping[str, Any], where: str = ""
+    solid: Mapping[str, Any],
+    interfaces: Mapping[str, Any],
+    where: str = "",
+    team: Team = ALONE,
 ) -> SolidModel:
     """The model with cells of the requested size, or with frequencies of the requested accuracy.
 
     Raises SolidError if the accuracy is not reached with `ROUNDS` meshes.
     """
-    model = SolidModel(solid, interfaces, where)
+    model = SolidModel(solid, interfaces, where, team=team)
     wanted = solid["mesh"].get("accuracy")
     if wanted is None:
         return model
     size = solid["mesh"].get("size") or edge_length(model.mesh)
     for _ in range(ROUNDS):
-        hertz = free_hertz(model.body, COMPARED)
-        error = max(map(abs, _relative(hertz, free_hertz(model.richer(), COMPARED))))
+        hertz = free_hertz(model.body, COMPARED, model.solver)
+        error = max(map(abs, _relative(hertz, _richer_hertz(model))))
         if error <= wanted:
             return model
         size /= FINER
-        model = SolidModel(solid, interfaces, where, size)
+        model = SolidModel(solid, interfaces, where, size, team)
     raise SolidError(
         f"{model.described}mesh.accuracy = {wanted:g}: not reached with cells of "
         f"{FINER * size:.3g} m, the estimated error is {error:.2g}; expected a larger value, or a "
@@ -169,7 +180,7 @@ def findings(
         }
         cases = {name: case.u for name, case in solved.items()}
         table_of_results["cases"] = {name: _case(model, case) for name, case in solved.items()}
-    table_of_results |= _errors(model, table, table_of_results, count)
+    table_of_results |= model.team.first(lambda: _errors(model, table, table_of_results, count))
     return table_of_results, cases
 
 

@@ -17,6 +17,7 @@ from ...solver.package.common.plausible import body_doubts, material_doubts, not
 from ...solver.package.specification import SolidSpecification
 from ..exchange.import_table import SI, InterfaceTable, Reduction
 from ..exchange.reduce import reduce_body
+from ..fenicsx.team import ALONE, Team
 from ..provenance import body_provenance
 from .model import MOST_FACTORISED, SolidModel, from_corners
 from .solid_analysis import accurate_model, findings
@@ -30,12 +31,13 @@ NOT_COUNTED = {
 }
 
 
-def build_solid_body(spec: Mapping[str, object]) -> ModalPackage:
+def build_solid_body(spec: Mapping[str, object], team: Team = ALONE) -> ModalPackage:
     """Mesh the solid, solve its modes and collect the package of one body.
 
     Parameters
     ----------
     spec : plain JSON, see solver/package/specification.py
+    team : processes that all call this and share the matrices; each gets the package
 
     Raises
     ------
@@ -45,7 +47,7 @@ def build_solid_body(spec: Mapping[str, object]) -> ModalPackage:
     """
     table = check_form(spec, SolidSpecification)
     start, where = time.perf_counter(), "" if "analysis" in table else f"bodies.{table['body']}"
-    model = accurate_model(table["solid"], table["interfaces"], where)
+    model = accurate_model(table["solid"], table["interfaces"], where, team)
     model.body  # noqa: B018  matrices
     assembled = time.perf_counter()
     reduction: Reduction = {
@@ -79,7 +81,7 @@ def build_solid_body(spec: Mapping[str, object]) -> ModalPackage:
     return dataclasses.replace(
         _at_corners(package, model),
         face_stresses=stresses,
-        provenance={**provenance, "solid": source},
+        provenance={**provenance, "ranks": model.team.size, "solid": source},
     )
 
 

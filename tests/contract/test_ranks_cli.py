@@ -2,7 +2,6 @@
 
 import json
 import os
-import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -12,11 +11,9 @@ import numpy as np
 import pytest
 from harness.mpi_samples import OPEN_MPI
 
-from plymotion.solver.__main__ import main
 from plymotion.solver.report.section.codes import read_results
 from plymotion.solver.workers import launch
 
-ROOT = Path(__file__).resolve().parents[2]
 SECTION = """format = 1
 title = "Tube"
 [mesh]
@@ -87,20 +84,6 @@ def test_jobs_and_ranks_exclude_each_other(section: Path, fenicsx: str) -> None:
     code, _, errors = plymotion(section, fenicsx, "--jobs", "2", ranks=2)
     assert code == 2
     assert "--jobs 2: expected without mpirun" in errors
-
-
-@pytest.mark.parametrize("rank", [0, 1])
-def test_solids_are_refused_once(
-    rank: int, section: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """Ranks would each compute all of it, into the same file."""
-    for (name, size), (value, count) in zip(launch.JOB, [(str(rank), "2")] * 2, strict=True):
-        monkeypatch.setenv(name, value)
-        monkeypatch.setenv(size, count)
-    shutil.copytree(ROOT / "cases/suspension-arm", section.parent / "arm")
-    code = main(["solid", str(section.parent / "arm/arm.toml"), "--quiet"])
-    told = "error: mpirun started 2 processes: expected one, as ranks do not share a solid\n"
-    assert (code, capsys.readouterr().err) == (2, "" if rank else told)
 
 
 def test_a_job_is_recognised(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,5 +1,6 @@
 """Derivatives of packages by design parameters against differences of rebuilt packages."""
 
+from argparse import Namespace
 from pathlib import Path
 from typing import Any
 
@@ -301,7 +302,7 @@ def test_wrong_targets_are_named(of: str, message: str) -> None:
 def test_other_bodies_refuse_design_parameters(kind: str, tmp_path: Path) -> None:
     spec = {"kind": kind, "design": {"a": [{"of": "solid.materials.a.E"}]}}
     with pytest.raises(SpecError, match=rf"design: a body of kind '{kind}' has no derivatives"):
-        BodyPackages().make(spec, tmp_path / "a.vtkhdf")
+        BodyPackages(Namespace()).make(spec, tmp_path / "a.vtkhdf")
     assert list(tmp_path.iterdir()) == []
 
 

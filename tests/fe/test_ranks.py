@@ -1,4 +1,4 @@
-"""One section, one shell on the ranks of an MPI job: parts of matrices, results, failing ranks."""
+"""A section, a shell, a solid on the ranks of an MPI job: parts of matrices, results, failures."""
 
 import json
 from pathlib import Path
@@ -9,8 +9,10 @@ import pytest
 from harness.mpi_samples import of_ranks
 from samples.section_specs import library_spec
 from samples.shell_specs import CFRP, box, plate
+from samples.solid_samples import WOUND
 
 from plymotion.preprocess.__main__ import main
+from plymotion.solver.package import ModalPackage, read_package
 from plymotion.solver.package.section.section_file import read_section
 from plymotion.solver.package.shell.shell_file import read_shell
 
@@ -49,22 +51,94 @@ SHELLS: dict[str, dict[str, Any]] = {
 }
 SHELLS["quadrilaterals"]["mesh"]["element"] = "quadrilateral"
 
+BAR = """SetFactory("OpenCASCADE");
+Box(1) = {0, 0, 0, 0.1, 0.02, 0.01};
+Mesh.CharacteristicLengthMax = 0.011;
+Mesh.ElementOrder = 2;
+Physical Volume("all") = {1};
+"""
+AXIS = {"point": [0.0, -0.02, 0.0], "direction": [0.0, 0.0, 1.0]}
+LOADS = {
+    "pulled": {"tip": {"at": "tip", "force": [1.0, 2.0, 3.0], "pressure": 1e5}},
+    "own": {"weight": {"gravity": [0.0, 0.0, -9.8]}},
+}
+
+
+def solid(file: Path, **more: Any) -> dict[str, Any]:
+    """A bar whose material is wound about an axis, with two interfaces."""
+    file.write_text(BAR)
+    places = (("root", 0.0, "rigid"), ("tip", 0.1, "average"))
+    return {
+        **{"body": "bar", "kind": "solid", "damping_ratio": 0.0},
+        "solid": {
+            "mesh": {"file": str(file), "unit": 1.0},
+            "materials": {"wound": WOUND},
+            "regions": {"all": {"material": "wound", "axis_about": AXIS}},
+        },
+        "interfaces": {
+            name: {
+                "plane": {"point": [x, 0.0, 0.0], "normal": [1.0, 0.0, 0.0]},
+                **{"link": link, "rotation_deg": [0.0, 0.0, 0.0]},
+            }
+            for name, x, link in places
+        },
+        "reference": {"kind": "mean-axis"},
+        "modes": [{"kind": "lowest", "count": 3}],
+        **more,
+    }
+
+
+def solids(folder: Path) -> dict[str, dict[str, Any]]:
+    """A body with all that its matrices are summed for, and a solid that is analysed alone."""
+    attached = {"kind": "attachment", "at": "tip", "directions": ["y", "z"]}
+    return {
+        "body": solid(
+            folder / "bar.geo",
+            reference={"kind": "clamped", "at": "root"},
+            modes=[{"kind": "lowest", "count": 3}, attached],
+            second_order=True,
+        ),
+        "alone": solid(
+            folder / "bar.geo", analysis={"supports": ["root"], "loads": LOADS, "error": True}
+        ),
+    }
+
+
 # What each rank has of a shell and of a section; sums over the ranks against the whole.
 PARTS = """
 import json, sys
+from functools import partial
 import numpy as np
 from plymotion.preprocess import fenicsx
 from plymotion.preprocess.fenicsx.team import Distribution
 from plymotion.preprocess.section.space.layers import layup
 from plymotion.preprocess.section.section_problem import section_problem
+from plymotion.preprocess.parts import own as own_part
+from plymotion.preprocess.products import BodyPackages
 from plymotion.preprocess.shell.model.shell_problem import ShellProblem
+from plymotion.preprocess.solid.model import Iterative, Mumps, SolidModel
+from plymotion.preprocess.solid.solid_analysis import HeldSolid
+from plymotion.preprocess.solid.solid_mesh import SolidError
+from plymotion.preprocess.solid.surface_stresses import second_order_forces
+from plymotion.solver.package.common.plain_data import SpecError
+
+def solved(model, loads):
+    "Frequencies, displacements, and forces of second order, by both solvers."
+    for solver in (partial(Mumps), partial(Iterative, model.mesh.plain)):
+        held = HeldSolid(model.body, model.links, ["root"], partial(solver, team=model.team))
+        u = [held.case(each, model.unit_pressure).u.ravel() for each in loads.values()]
+        yield held.hertz(3), *u, second_order_forces(model, np.stack(u, axis=1))
 
 team, found = fenicsx.Team(fenicsx.MPI.COMM_WORLD), {}
-specs = json.load(open(sys.argv[1]))
+specs, loads = json.load(open(sys.argv[1]))
 for name, spec in specs.items():
-    parts = []
+    parts, results = [], []
     for own in (fenicsx.ALONE, team):
-        if name == "shell":
+        if name == "solid":
+            model = SolidModel(spec["solid"], spec["interfaces"], team=own)
+            parts.append(own_part(model.body.K))
+            results.append(list(solved(model, loads)))
+        elif name == "shell":
             problem = ShellProblem(spec, name, own)
             parts.append(problem.freedom.reduced(problem.K))
         else:
@@ -88,7 +162,20 @@ for name, spec in specs.items():
         "rows": float(np.abs(rows.gathered(own) - whole @ X).max() / np.abs(whole @ X).max()),
         "of the rows": rows.n_own / rows.n,
         "of the entries": part.nnz / whole.nnz,
+        "results": [
+            [float(np.abs(a - b).max() / np.abs(a).max()) for a, b in zip(*pair, strict=True)]
+            for pair in (zip(*results, strict=True) if results else ())
+        ],
     }
+found["refused"], absent = [], {"mesh": {"file": "absent.geo", "unit": 1.0}}
+for make in (
+    lambda: SolidModel(absent, {}, team=team),
+    lambda: BodyPackages(None, team).analyse({"kind": "beam"}),
+):
+    try:
+        make()
+    except (SolidError, SpecError) as error:
+        found["refused"].append(str(error))
 found["of the cells"] = cells / problem.mesh.cells.n_cell
 # 300 of 900 negative eigenvalues; after 300 unknowns of few neighbours, all others are one front
 random, row = np.random.default_rng(0), np.arange(900)
@@ -129,6 +216,7 @@ RUNS: dict[str, tuple[str, dict[str, dict[str, Any]], tuple[str, ...]]] = {
     "sections": ("section", SECTIONS, ()),
     "refined": ("section", {"box": SECTIONS["box"]}, ("--accuracy", "1e-4")),
     "shells": ("shell", SHELLS, ()),
+    "solids": ("body", {}, ()),
 }
 
 
@@ -147,7 +235,7 @@ def both(tmp_path_factory: pytest.TempPathFactory) -> Path:
     lines: dict[str, list[list[str]]] = {"alone": [], "together": []}
     told = []
     for name, (command, specs, options) in RUNS.items():
-        made = files(root / name, specs)
+        made = files(root / name, specs or solids(root))
         told += [f"[{k}/{len(made)}] {file.stem}: " for k, file in enumerate(made, 1)]
         for ranks, commands in lines.items():
             to = "--out-dir", str(root / name / ranks)
@@ -163,8 +251,10 @@ def both(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_ranks_have_parts_of_matrices_and_rows_of_their_sum(tmp_path: Path) -> None:
-    specs = {"shell": SHELLS["stiffened"], "section": SECTIONS["box"]}
-    (file,) = files(tmp_path, {"both": specs})
+    bar = solid(tmp_path / "bar.geo")
+    specs = {"solid": bar, "shell": SHELLS["stiffened"], "section": SECTIONS["box"]}
+    file = tmp_path / "specs.json"
+    file.write_text(json.dumps([specs, LOADS]))
     done = of_ranks(2, "-c", PARTS, file)
     assert done.returncode == 0, done.stderr
     ranks = json.loads(done.stdout)
@@ -176,7 +266,12 @@ def test_ranks_have_parts_of_matrices_and_rows_of_their_sum(tmp_path: Path) -> N
             assert rank[name]["rows"] < 1e-13
             assert 0.3 < rank[name]["of the rows"] < 0.7
             assert rank[name]["of the entries"] < 0.65
+            assert np.max(rank[name]["results"], initial=0.0) < CLOSE
             assert rank["of the cells"] == pytest.approx(0.5, abs=0.01)
+            assert rank["refused"] == [
+                "mesh.file = 'absent.geo': no such file",
+                "mpirun started 2 processes: expected one, as ranks share no body of kind 'beam'",
+            ]
             assert rank["negative"] == 300
 
 
@@ -209,6 +304,29 @@ def test_refined_section_by_two_ranks(both: Path) -> None:
     assert one.provenance["dofs"] == two.provenance["dofs"]
     size = np.sqrt(np.diag(one.K))
     assert np.abs((two.K - one.K) / np.outer(size, size)).max() < CLOSE
+
+
+def numbers(package: ModalPackage) -> list[Any]:
+    """What is summed over the ranks or follows from sums."""
+    sums, tip, told = package.invariants, package.interfaces[1], package.provenance["solid"]
+    found = [package.stiffness, package.compliance, sums.T00_B, sums.T01_B, sums.T11_B, tip.phi_B]
+    if (bent := package.second_order) is not None:
+        found += [bent.Z0_B, bent.Z1_B, bent.G4, tip.H_B]
+    else:
+        found += [told[key] for key in ("held_hz", "free_error", "held_error")]
+        found.append(told["cases"]["own"]["reactions"]["root"])
+    return found
+
+
+@pytest.mark.one_end
+def test_solids_by_two_ranks(both: Path) -> None:
+    for name in ("body", "alone"):
+        files = (both / "solids" / ranks / f"{name}.vtkhdf" for ranks in ("alone", "together"))
+        one, two = map(read_package, files)
+        assert two.provenance["ranks"] == 2
+        np.testing.assert_allclose(two.frequencies[:3], one.frequencies[:3], rtol=1e-10)
+        for a, b in zip(numbers(one), numbers(two), strict=True):
+            assert np.abs(np.subtract(a, b)).max() < CLOSE * np.abs(a).max(), name
 
 
 @pytest.mark.one_end

@@ -1,6 +1,7 @@
 """Shells as bodies: the modal package against the model that it was made from."""
 
 import json
+from argparse import Namespace
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -270,7 +271,7 @@ def test_a_thin_free_shell_keeps_its_six_rigid_motions_apart() -> None:
 @pytest.mark.one_end
 def test_same_package_from_a_file_of_the_command(tmp_path: Path) -> None:
     spec = hand((8, 2))
-    product, target = BodyPackages(), tmp_path / "hand.vtkhdf"
+    product, target = BodyPackages(Namespace()), tmp_path / "hand.vtkhdf"
     assert not product.unchanged(target, spec)
     text, warnings = product.make(spec, target)
     assert text.startswith("shell ")

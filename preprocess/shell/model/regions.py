@@ -177,10 +177,8 @@ def own_cells(regions: Sequence[Region], mesh: ShellMesh, team: fenicsx.Team) ->
     """The cells of this process of a team: a slice of the mesh across its longest direction."""
     if team.size == 1:
         return list(regions)
-    centres = mesh.centres_G
-    along = np.argsort(centres[:, np.argmax(np.ptp(centres, axis=0))], kind="stable")
-    own = np.zeros(len(centres), dtype=bool)
-    own[along[team.share(len(centres))]] = True
+    own = np.zeros(len(mesh.cells), dtype=bool)
+    own[team.slice_of(mesh.centres_G)] = True
     parts = [(region, np.flatnonzero(own[region.cells])) for region in regions]
     return [
         replace(r, cells=r.cells[some], nodes=r.nodes[some], geometry=r.geometry[some])

@@ -92,8 +92,6 @@ def drawn(draw: Callable[[], list[Path]], known: Sequence[Path], file: Path) -> 
 
 # From descriptions to results files, with progress on the screen.
 
-SHARED = ("section", "shell")  # commands whose analyses the ranks of an MPI job share
-
 
 def run_described(
     command: str,
@@ -120,11 +118,6 @@ def run_described(
     rank, ranks = (0, 1) if elsewhere else mpi_job()
     if ranks > 1 and options.jobs:
         raise InputError(f"--jobs {options.jobs}: expected without mpirun, whose ranks share each")
-    if ranks > 1 and command not in SHARED:
-        words = f"expected one, as ranks do not share a {command}"
-        if not rank:
-            print(f"error: mpirun started {ranks} processes: {words}", file=sys.stderr)
-        return USER_ERROR
     if rank:
         return _join(command, entries, words, spec_of, ranks)
     options.out = options.out or FOLDERS[command]
