@@ -95,7 +95,13 @@ class HeldSolid:
 def free_hertz(
     body: FreeBody, count: int, solver: Callable[[Constrained], Solver] = Mumps
 ) -> Array:
-    """Lowest elastic frequencies of the free solid, without rigid interfaces [Hz]."""
+    """Lowest elastic frequencies of the free solid, without rigid interfaces [Hz].
+
+    Parameters
+    ----------
+    count : number of frequencies
+    solver : see SolidModel.solver
+    """
     package = reduce_body(
         body,
         {
@@ -126,6 +132,10 @@ def accurate_model(
     team: Team = ALONE,
 ) -> SolidModel:
     """The model with cells of the requested size, or with frequencies of the requested accuracy.
+
+    Parameters
+    ----------
+    solid, interfaces, where, team : see SolidModel
 
     Raises SolidError if the accuracy is not reached with `ROUNDS` meshes.
     """
