@@ -29,7 +29,7 @@ PENDULUM = (
 @pytest.mark.skipif(not can_fork(), reason="no copies of processes")
 @pytest.mark.provokes("run-under-way")
 def test_a_run_under_way_is_shown_and_not_changed(tmp_path):
-    (tmp_path / "case.toml").write_text(PENDULUM + SOLVER.format(t_end=9e3, step=0.2, more=""))
+    (tmp_path / "case.toml").write_text(PENDULUM + SOLVER.format(t_end=9e4, step=0.2, more=""))
     out = tmp_path / "out"
     words = ["case.toml", "--out", str(out), "--jobs", "1"]
     program = [sys.executable, "-m", "plymotion", *words]
