@@ -44,11 +44,12 @@ from ..results.codes import (
     SIZE_UNITS,
     Finding,
 )
+from ..strength.found import BodyStrength, failure_text
+from ..strength.shell_bodies import body_search
 from .finished import FinishedRun
 
 if TYPE_CHECKING:
     from ..inputs.case.tables.schema import Mechanism
-    from ..strength.found import BodyStrength
 
 
 def constraint_findings(run: FinishedRun) -> Iterator[Finding]:
@@ -242,15 +243,13 @@ def package_findings(run: FinishedRun) -> Iterator[Finding]:
             yield known.finding(text, body=name) if known else Finding(code, text, name)
 
 
-def body_strengths(run: FinishedRun) -> "dict[str, BodyStrength]":
+def body_strengths(run: FinishedRun) -> dict[str, BodyStrength]:
     """Return the strength of bodies with strengths, at the times of `look.strength`."""
     strengths = {}
     for i, name in enumerate(run.built.body_names):
         package = run.packages.get(name)
         if package is None:
             continue
-        from ..strength.shell_bodies import body_search  # 4 ms that rigid bodies do without
-
         search = body_search(package)
         if search is None:
             continue
@@ -262,10 +261,10 @@ def body_strengths(run: FinishedRun) -> "dict[str, BodyStrength]":
     return strengths
 
 
-def strength_findings(strengths: "dict[str, BodyStrength]") -> Iterator[Finding]:
+def strength_findings(strengths: dict[str, BodyStrength]) -> Iterator[Finding]:
     """Yield bodies of which a ply fails."""
     for name, strength in strengths.items():
         worst = strength.governing
         if worst.ratio < PLY_FAILURE.limit:
-            text = worst.failure_text(name)
+            text = failure_text(name, worst)
             yield PLY_FAILURE.finding(text, body=name, t=worst.time, value=worst.ratio)

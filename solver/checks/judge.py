@@ -1,14 +1,12 @@
 """The judgement of a run: every check in order, for single runs and members of sweeps alike."""
 
 from collections.abc import Callable, Iterable
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from ..results.codes import Finding
+from ..strength.found import BodyStrength
 from . import balances, course, inputs, modes, stiffening
 from .finished import FinishedRun
-
-if TYPE_CHECKING:
-    from ..strength.found import BodyStrength
 
 Check = Callable[[FinishedRun], Iterable[Finding]]
 
@@ -38,7 +36,7 @@ class Judgement(NamedTuple):
 
     findings: tuple[Finding, ...]
     numbers: dict[str, float | int]  # see FinishedRun.numbers
-    strengths: "dict[str, BodyStrength]"  # of bodies whose packages have strengths
+    strengths: dict[str, BodyStrength]  # of bodies whose packages have strengths
 
     @property
     def codes(self) -> tuple[str, ...]:

@@ -17,6 +17,7 @@ from ..math.laws import lengths_along
 from ..math.rows import LongRows
 from ..mechanism.built import BuiltMechanism
 from ..package import ModalPackage
+from ..package.section.stress import strengths
 from ..results import BodyGeometry
 from ..results.datasets import MOST_NAMED
 from ..results.file import frames
@@ -35,12 +36,12 @@ from ..results.surfaces import (
     uniform_box,
     with_spheres,
 )
+from ..strength.beam_bodies import unit_stress_M
+from ..strength.search import Points, governing_points
+from ..strength.shell_bodies import cell_centres, stressed_cells
 
 if TYPE_CHECKING:
     from ..inputs.case.tables.schema import Mechanism
-    from ..strength.search import Points
-
-# Functions for bodies with stresses import `strength`: it takes 4 ms, and rigid ones have none.
 
 GLYPH = 0.012  # width of a bar without a known section, over the length of the body
 LOADED = 200  # times at which pictures show loads
@@ -228,8 +229,6 @@ PROVENANCE = ("inputs_sha256", "versions", "command", "source")
 def _surface(package: ModalPackage) -> Surface:
     nodes, n = package.nodes_B, len(package.nodes_B)
     if not np.isin(package.cell_types, LINES).all():
-        from ..strength.shell_bodies import stressed_cells
-
         site = np.full(len(package.cell_types), -1)
         cells, _ = stressed_cells(package)
         if cells is not None:
@@ -291,10 +290,6 @@ def _stations_of_nodes(package: ModalPackage) -> tuple[IntArray, IntArray]:
 
 
 def _stations(package: ModalPackage, q: Array) -> Sites | None:
-    from ..package.section.stress import strengths
-    from ..strength.beam_bodies import unit_stress_M
-    from ..strength.search import Points
-
     recovery = package.recovery
     if recovery is None or not package.n_mode:
         return None
@@ -315,10 +310,6 @@ def _stations(package: ModalPackage, q: Array) -> Sites | None:
 
 
 def _cells(package: ModalPackage, q: Array) -> Sites | None:
-    from ..package.section.stress import strengths
-    from ..strength.search import Points
-    from ..strength.shell_bodies import cell_centres, stressed_cells
-
     cells, laminates = stressed_cells(package)
     if cells is None or not package.n_mode or not len(cells.cell):
         return None
@@ -350,13 +341,11 @@ def _sites(
     resultants_E: Array,
     kind: IntArray,
     compliance: Array,
-    parts: "list[Points]",
+    parts: list[Points],
     of_parts: list[list[dict[str, object]]],
     q: Array,
 ) -> Sites:
     """Put sites together with the points that govern at the times of q (t, m)."""
-    from ..strength.search import governing_points
-
     stress, point_kind, point_ply = [], [], []
     plies: list[dict[str, object]] = []
     for k, points in enumerate(parts):

@@ -17,7 +17,7 @@ from ..checks.statics import unjudged_hints
 from ..errors import PackageError, not_by_check
 from ..inputs.case.record import sealed
 from ..integrators.generic.drive import Steps, StopRequest, Watch
-from ..package import ModalPackage
+from ..package import ModalPackage, read_package
 from ..results import RunResult, Summary, write_result, write_summary
 from ..results.codes import Finding
 from ..results.live import Copies
@@ -128,8 +128,6 @@ def package_of(
     PackageError
         It cannot be read, or was built from other inputs.
     """
-    from ..package import read_package  # takes 3 ms, and rigid bodies have no packages
-
     path = path.resolve()
     shown = path.relative_to(Path.cwd()) if path.is_relative_to(Path.cwd()) else path
     remedy = f"`plymotion packages` with the {kind} file builds it"

@@ -29,6 +29,8 @@ from ..results import BodyGeometry, RunResult, Signal, Summary, signal_summary
 from ..results.codes import FEEDBACK
 from ..results.surfaces import MOST_STORED, all_positions
 from ..signals import Sensor, fatigue_entry, recorded
+from ..strength.fatigue import Turning
+from ..strength.found import summary as strength_entry
 from .drawing import drawn_loads, links, pictures, point_masses, with_views
 from .inputs import RunSpec
 
@@ -66,7 +68,7 @@ def collect(
     file = temporary_file(folder) if stored else None
     kept: dict[tuple[str, str], RowKeeper] = defaultdict(lambda: RowKeeper(file))
     past = Past(within=finished.in_play)
-    turning = {n: sensor.life.turning() for n, sensor in sensors.items() if sensor.life}
+    turning = {name: Turning() for name, sensor in sensors.items() if sensor.life is not None}
     done = 0.0
     for block, values in recorded(sensors, model, finished.blocks):
         history = recover.history_of(model, block.y, block.along)
@@ -124,7 +126,7 @@ def collect(
             "modes_used": {n: p.n_mode for n, p in finished.packages.items()},
         },
         "provenance": result.provenance,
-        "strength": {n: strength.summary() for n, strength in judgement.strengths.items()},
+        "strength": {n: strength_entry(strength) for n, strength in judgement.strengths.items()},
         "damping": loaded_damping(finished),
         "fatigue": {name: fatigue_entry(sensors[name], turning[name]) for name in turning},
         "cost": {

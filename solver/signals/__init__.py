@@ -1,8 +1,8 @@
 """Signals: the requested quantities, computed from states at the output times."""
 
 from ..dynamics.analysis.recovery import Recording
-from .sections import HELD
 from .sensors import Histories, Sensor, Turns, fatigue_entry, recorded, sensors
+from .strength import HELD
 
 __all__ = [
     "HELD",

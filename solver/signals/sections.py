@@ -25,6 +25,8 @@ from ..mechanism.built import BuiltMechanism
 from ..package import ModalPackage
 from ..package.body.package_schema import BodyRecovery
 from ..package.common.recovery_schema import RESULTANTS, STRESSES, Ply, SectionRecovery
+from ..strength.beam_bodies import unit_stress_M
+from ..strength.fatigue import StressLife, check_rainflow
 
 if TYPE_CHECKING:
     from ..inputs.case.tables.signals import PlyStressSignal, ResultantSignal
@@ -32,9 +34,6 @@ if TYPE_CHECKING:
 
 GAUSS = 0.5 - 0.5 / np.sqrt(3.0), 0.5 + 0.5 / np.sqrt(3.0)  # exact for products of linear functions
 NEAR = 1e-9  # of the length
-# In the memory of a recording, a table: the first values under a key note which points govern,
-# later ones are those of the same points. A derivative needs no search.
-HELD = "governing points"
 
 
 class Cut:
@@ -232,8 +231,6 @@ def ply_stress_values(
     InputError
         See `resultant_values`; also a section without stresses, or an unknown region or ply.
     """
-    from ..strength.beam_bodies import unit_stress_M  # 4 ms that most runs do without
-
     section, forces = _forces(key, built, body, package, signal)
     recovery = package.sections[section].recovery
     if recovery is None:
@@ -331,7 +328,6 @@ def _points(key: str, recovery: SectionRecovery, signal: "PlyStressSignal") -> I
 if TYPE_CHECKING:
     from ..inputs.case.tables.signals import PlyStressSignal
     from ..inputs.common.materials import IsotropicMaterial, OrthotropicMaterial
-    from ..strength.fatigue import StressLife
 
     Materials = Mapping[str, IsotropicMaterial | OrthotropicMaterial]
 
@@ -340,7 +336,7 @@ _LINES = {"11": "fibre", "22": "transverse", "33": "transverse"}
 
 def stress_life(
     materials: "Materials", package: ModalPackage, signal: "PlyStressSignal"
-) -> "StressLife | None":
+) -> StressLife | None:
     """Return the S-N line of a stress; None if the case has none for it.
 
     Parameters
@@ -365,8 +361,6 @@ def stress_life(
         elif material.fatigue is not None:
             line = getattr(material.fatigue, _LINES.get(signal.component, "shear"))
         if line is not None:
-            from ..strength.fatigue import StressLife, check_rainflow
-
             check_rainflow(f"materials.{name}.fatigue")
             return StressLife(
                 np.array(line.amplitude),

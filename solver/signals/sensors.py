@@ -17,14 +17,15 @@ from ..inputs.case.record import needed, with_parts
 from ..math.arrays import Array
 from ..mechanism.built import BuiltMechanism
 from ..package import ModalPackage
+from ..strength.fatigue import StressLife, Turning, fatigue_summary, rainflow_cycles
 from .joints import force_values, joint_coordinate, reaction
 from .points import POINT_UNITS, point_values
 from .rotor import UNITS, rotor_values
 from .sections import Look, Values, ply_stress_values, resultant_values, stress_life
+from .strength import strength_values
 
 if TYPE_CHECKING:
     from ..inputs.case.tables.signals import Signal
-    from ..strength.fatigue import StressLife, Turning
     from .sections import Materials
 
 
@@ -217,7 +218,7 @@ class Sensor(NamedTuple):
     description: str
     values: Values
     look: Look | None = None
-    life: "StressLife | None" = None
+    life: StressLife | None = None
     scale: float = 1.0
 
 
@@ -301,10 +302,8 @@ def recorded(
         yield recording, ((name, sensor.values(recording)) for name, sensor in sensors.items())
 
 
-def fatigue_entry(sensor: Sensor, turning: "Turning") -> dict[str, object]:
+def fatigue_entry(sensor: Sensor, turning: Turning) -> dict[str, object]:
     """Return the fatigue of a stress with an S-N line, from its turning points in SI."""
-    from ..strength.fatigue import fatigue_summary, rainflow_cycles
-
     assert sensor.life is not None
     return fatigue_summary(rainflow_cycles(turning.points().tolist()), sensor.life)
 
@@ -328,8 +327,6 @@ def _measuring(
     if signal.kind == "rotor":
         return UNITS[signal.quantity], rotor_values(built, signal.quantity), None
     if signal.kind == "strength_ratio" or signal.kind == "exposure":
-        from .strength import strength_values  # 4 ms that most runs do without
-
         return "-", strength_values(key, *_body(built, signal.body), signal), None
     if signal.kind == "ply_stress":
         return "Pa", *ply_stress_values(key, built, *_body(built, signal.body), signal)

@@ -14,10 +14,15 @@ from ..package.common.recovery_schema import SectionRecovery
 from ..strength.beam_bodies import material_searches
 from ..strength.search import Place, envelope, exposures_at, governing
 from ..strength.shell_bodies import cell_centres, ply_searches, stressed_cells
-from .sections import HELD, resultants_at
+from .sections import resultants_at
 
 if TYPE_CHECKING:
     from ..inputs.case.tables.signals import StrengthSignal
+
+
+# In the memory of a recording, a table: the first values under a key note which points govern,
+# later ones are those of the same points. A derivative needs no search.
+HELD = "governing points"
 
 
 def strength_values(

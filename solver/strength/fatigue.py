@@ -48,10 +48,6 @@ class StressLife(NamedTuple):
         """Share of Miner's sum of each cycle, (c,)."""
         return np.asarray(cycles.counts / self.life(0.5 * cycles.ranges, cycles.means))
 
-    def turning(self) -> "Turning":
-        """Return an empty record of the turning points of a history."""
-        return Turning()
-
 
 class Turning:
     """Turning points of a history that comes in blocks."""

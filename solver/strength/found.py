@@ -77,16 +77,6 @@ class CriticalPoint:
         """Strength ratio R."""
         return self.reserve.ratio
 
-    def failure_text(self, body: str) -> str:
-        """Message of the warning about a ply that fails."""
-        reserve, ply = self.reserve, self.ply
-        return (
-            f"{body}: {reserve.criterion} gives a strength ratio of {reserve.ratio:.3g} (expected "
-            f"above 1; {reserve.mode}) at x = {self.x:.4g} m, t = {self.time:.4g} s, in ply "
-            f"{ply.index} of {ply.region} ({ply.material}, {ply.angle_deg:g} deg) at {self.place}: "
-            "the linear material model is not valid beyond; use a stronger lay-up or a lower load"
-        )
-
 
 class BodyStrength(NamedTuple):
     """Exposures of a body over a run; `s` counts stations of a beam, strips of a shell."""
@@ -100,20 +90,6 @@ class BodyStrength(NamedTuple):
     def governing(self) -> CriticalPoint:
         """The lowest strength ratio of all criteria."""
         return min(self.worst.values(), key=lambda peak: peak.ratio)
-
-    def summary(self) -> dict[str, object]:
-        """The entry of a body in summary.json."""
-        worst = self.governing
-        return {
-            **_entry(worst),
-            "stress": {"unit": "Pa", **dict(zip(STRESSES, worst.stress_M.tolist(), strict=True))},
-            "criteria": {name: _entry(each) for name, each in self.worst.items()},
-            "plies": [_entry(each) for each in self.plies],
-            "along_beam": {
-                "x": self.station_x.tolist(),
-                "exposure": {name: values.tolist() for name, values in self.exposure.items()},
-            },
-        }
 
 
 def ranked(
@@ -138,6 +114,32 @@ def ranked(
     plies = tuple(sorted(weakest.values(), key=lambda peak: peak.ratio))
     return BodyStrength(
         station_x, exposure, {name: worst[name] for name in exposure if name in worst}, plies
+    )
+
+
+def summary(strength: BodyStrength) -> dict[str, object]:
+    """The entry of a body in summary.json."""
+    worst = strength.governing
+    return {
+        **_entry(worst),
+        "stress": {"unit": "Pa", **dict(zip(STRESSES, worst.stress_M.tolist(), strict=True))},
+        "criteria": {name: _entry(each) for name, each in strength.worst.items()},
+        "plies": [_entry(each) for each in strength.plies],
+        "along_beam": {
+            "x": strength.station_x.tolist(),
+            "exposure": {name: values.tolist() for name, values in strength.exposure.items()},
+        },
+    }
+
+
+def failure_text(body: str, peak: CriticalPoint) -> str:
+    """Message of the warning about a ply that fails."""
+    reserve, ply = peak.reserve, peak.ply
+    return (
+        f"{body}: {reserve.criterion} gives a strength ratio of {reserve.ratio:.3g} (expected "
+        f"above 1; {reserve.mode}) at x = {peak.x:.4g} m, t = {peak.time:.4g} s, in ply "
+        f"{ply.index} of {ply.region} ({ply.material}, {ply.angle_deg:g} deg) at {peak.place}: "
+        "the linear material model is not valid beyond; use a stronger lay-up or a lower load"
     )
 
 

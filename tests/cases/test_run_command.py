@@ -195,13 +195,6 @@ def test_a_run_without_numba_says_that_it_is_slow(tmp_path):
     assert (wanted.returncode, wanted.stderr) == (0, "")
 
 
-@pytest.mark.parametrize("name", ["strength", "package.body.package_file"])
-def test_a_run_of_rigid_bodies_does_not_load_what_is_of_flexible_ones(tmp_path, name):
-    file = _runs(tmp_path, "") / "base.json"
-    done = _without(f"plymotion.solver.{name}", "run", file, "--quiet")
-    assert done.returncode == 0, done.stderr
-
-
 def test_modes_without_matplotlib_have_their_numbers(tmp_path):
     _runs(tmp_path, "")
     words = ("modes", tmp_path / "case.toml", "--out", tmp_path / "o")

@@ -15,6 +15,7 @@ from samples.recovery_samples import STEEL_STRENGTH
 from plymotion.solver.errors import PackageError
 from plymotion.solver.package import read_package, validate, write_package
 from plymotion.solver.package.body.package_schema import CellResultants, LaminateData
+from plymotion.solver.strength.found import failure_text, summary
 
 
 @pytest.fixture(scope="module")
@@ -139,10 +140,10 @@ def test_strength_is_the_worst_of_all_cells_plies_and_instants() -> None:
     centre = package.nodes_B[package.connectivity.reshape(-1, 3)[row]].mean(axis=0)
     np.testing.assert_allclose(governing.point, centre)
     assert max(found.exposure["von-mises"]) == pytest.approx(1.0 / governing.ratio)
-    table = found.summary()
+    table = summary(found)
     assert table["ply"] == {"region": "wall", "index": 0, "material": "steel", "angle_deg": 0.0}
     assert len(table["along_beam"]["x"]) == len(found.station_x) <= 32
-    text = governing.failure_text("panel")
+    text = failure_text("panel", governing)
     assert "at its bottom" in text or "at its top" in text
     assert 0.0 < centre[1] < WIDTH
 
@@ -158,4 +159,4 @@ def test_faces_of_a_solid_are_judged_by_their_stresses() -> None:
     expected = STEEL_STRENGTH["yield_stress"] / worst
     assert found.governing.ratio == pytest.approx(expected, rel=1e-12)
     assert found.governing.ply.region == "surface steel"
-    assert "at its" not in found.governing.failure_text("part")
+    assert "at its" not in failure_text("part", found.governing)

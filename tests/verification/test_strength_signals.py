@@ -30,6 +30,7 @@ from plymotion.solver.package.section.stress import strengths
 from plymotion.solver.run.execution import read_run
 from plymotion.solver.signals import Recording, sensors
 from plymotion.solver.strength import criteria_of
+from plymotion.solver.strength.found import summary
 
 WIDTH, HEIGHT = 0.04, 0.012
 MATERIALS = {
@@ -185,7 +186,7 @@ def test_ranking_of_plies_is_that_of_looking_everywhere(
         assert failure.ratio == pytest.approx(ratio, rel=1e-12)
         assert (failure.ply, failure.reserve.criterion) == (ply, criterion)
         assert (failure.x, failure.time) == (x, when)
-    assert [each["ratio"] for each in found.summary()["plies"]] == [f.ratio for f in found.plies]
+    assert [each["ratio"] for each in summary(found)["plies"]] == [f.ratio for f in found.plies]
 
 
 def test_lowest_of_a_shell_at_every_instant(arm: tuple[BuiltMechanism, ModalPackage]) -> None:
