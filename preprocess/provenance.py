@@ -5,7 +5,6 @@ from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 
 from .. import __version__
-from ..solver.package.specification import fingerprint
 from . import fenicsx
 
 LONGEST = 40_000  # characters of a specification in a package; an attribute has at most 60 000
@@ -30,7 +29,6 @@ def body_provenance(
         "plymotion": __version__,
         "versions": fenicsx.versions(),
         "command": "python -m plymotion.preprocess body",
-        "fingerprint": fingerprint(spec),
         "inputs_sha256": spec.get("inputs_sha256"),
         "case": spec.get("case"),
         "spec": spec if len(json.dumps(spec)) <= LONGEST else None,

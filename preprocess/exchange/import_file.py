@@ -15,7 +15,7 @@ from ...solver.errors import InputError, PackageError, did_you_mean, printable
 from ...solver.math.disk_cache import file_sha256
 from ...solver.package import ModalPackage
 from ...solver.package.common.plain_data import SpecError, check_form
-from ...solver.package.specification import ImportedSpecification, fingerprint
+from ...solver.package.specification import ImportedSpecification
 from .formats.modal import modal_package
 from .free_body import FreeBody
 from .import_table import Files, ImportFile, Reduction, Source
@@ -144,7 +144,6 @@ def build_imported(content: Mapping[str, object]) -> ModalPackage:
     provenance = {
         **package.provenance,
         "command": "python -m plymotion.preprocess body",
-        "fingerprint": fingerprint(content),
         "inputs_sha256": spec.get("inputs_sha256"),
         "spec": content,
         "dofs": {"body": 3 * package.provenance["nodes_of_source"]},

@@ -11,6 +11,7 @@ minimum, not in an unstable equilibrium. Following loads have no potential; for 
 the step is used.
 """
 
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -391,13 +392,17 @@ class Turning:
         columns = [free.Z.T @ self.change(multipliers, z) for z in free.Z.T]
         return -np.array(columns).reshape((free.Z.shape[1],) * 2).T
 
+    @cached_property
+    def sizes(self) -> Array:
+        """Motions (n_vel,) of the size of the mechanism."""
+        return sizes_of_motion(self.model, extent(self.model, self.y))
+
     def change(self, multipliers: Array, step: Array) -> Array:
         """Return the first-order change of the forces (n_vel,) in a step, by central differences.
 
         The multipliers (n_c,) are constant.
         """
-        sizes = sizes_of_motion(self.model, extent(self.model, self.y))
-        h = _DIFFERENCE / max(float(np.max(np.abs(step) / sizes)), 1e-300)
+        h = _DIFFERENCE / max(float(np.max(np.abs(step) / self.sizes)), 1e-300)
         ahead, behind = (
             self.force(moved(self.model, self.positions, part * step), multipliers)
             for part in (h, -h)
@@ -494,7 +499,7 @@ def _newton(
             if np.all(stiffness > -NEUTRAL):
                 return positions, push
             step = free.Z @ directions[:, 0]
-            step *= _NUDGE / float(np.max(np.abs(step) / sizes_of_motion(model, length)))
+            step *= _NUDGE / float(np.max(np.abs(step) / here.sizes))
             positions, last = moved(model, positions, step), [np.inf] * patience
             continue
         if size > FALLS * last[-patience]:
@@ -507,7 +512,7 @@ def _newton(
             K = (directions * np.maximum(np.abs(stiffness), NEUTRAL)) @ directions.T
         step = -free.P @ Phi
         unbalanced = unbalanced + free.Z.T @ here.change(multipliers, step)
-        step = limited(step + free.Z @ _solved(K, unbalanced), sizes_of_motion(model, length))
+        step = limited(step + free.Z @ _solved(K, unbalanced), here.sizes)
         multipliers = free.P.T @ (g + here.change(multipliers, step))
         positions = moved(model, positions, step)
     return None, push
