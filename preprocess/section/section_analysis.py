@@ -284,8 +284,8 @@ def _on_mesh(
 
     Parameters
     ----------
-    edges : error of the first mesh by its curved edges; None of the first mesh
-    accuracy : that is asked for
+    edges : error of K by the curved edges of the first mesh; None while that mesh is solved
+    accuracy : requested accuracy of K
     compare : solve with one degree more, too
     raised : raise the degree where the estimate needs it
     """
