@@ -2,11 +2,12 @@
 
 Tells every half minute how far it is. Interrupted, the same command goes on after the last test
 that was over, as long as no source has changed. The last thing that it prints is its table, which
-`--write` puts into docs/security.md.
+`--write` puts into docs/attack.md.
 """
 
 import hashlib
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -27,7 +28,7 @@ from harness.hostile_profile import (  # type: ignore[import-not-found]  # noqa:
 FOLDER = ROOT / "build/attack"
 COUNTS, SOURCES, OUTPUT = (FOLDER / name for name in ("counts.jsonl", "sources", "pytest.log"))
 TOLD_S = 30.0
-PAGE = ROOT / "docs/security.md"
+PAGE = ROOT / "docs/attack.md"
 BEGIN, END = "<!-- attack: begin -->\n", "<!-- attack: end -->\n"
 
 
@@ -42,10 +43,16 @@ def sources() -> str:
 
 
 def table(counts: Counter[tuple[str, str]]) -> str:
-    """Return the table: a line for each kind of try, a column for each end.
+    """Return the table: a line for each group of tries, a column for each end.
 
-    Faults that came too late are in the last column only.
+    A try is recorded as "command: fault, detail"; a group has all commands, signals and details of
+    a fault. Faults that came too late are in the last column only.
     """
+    grouped: Counter[tuple[str, str]] = Counter()
+    for (kind, end), number in counts.items():
+        fault = kind.split(": ", 1)[-1].split(",")[0]
+        grouped[re.sub("SIG[A-Z]+", "a signal", fault), end] += number
+    counts = grouped
     bad = [end for end in BAD if end != "other"]
     ends = (*GOOD, *bad)
     lines = [
@@ -61,7 +68,7 @@ def table(counts: Counter[tuple[str, str]]) -> str:
 
 
 def write_page() -> None:
-    """Replace the table of docs/security.md by that of the last attack."""
+    """Replace the table of docs/attack.md by that of the last attack."""
     _, counts = recorded(COUNTS)
     before, rest = PAGE.read_text(encoding="utf-8").split(BEGIN)
     _, after = rest.split(END)

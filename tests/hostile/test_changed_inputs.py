@@ -1,6 +1,6 @@
 """Changed inputs and extreme numbers: an end in time and in words, with exit code 0, 2 or 3.
 
-`make attack` tries more and writes the counts to docs/security.md (hostile_profile.py).
+`make attack` tries more and writes the counts to docs/attack.md (hostile_profile.py).
 """
 
 import copy
