@@ -112,6 +112,30 @@ def check_keys(table: Any, known: tuple[str, ...], where: str, error: type[Excep
             )
 
 
+def check_known(
+    value: Any,
+    known: Iterable[str],
+    where: str,
+    error: type[Exception],
+    expectation: str | None = None,
+) -> None:
+    """Raise `error` for a value that is none of the known ones, with the nearest of them.
+
+    Parameters
+    ----------
+    value : value at a key
+    known : the values that it may have
+    where : path of the key, for messages
+    error : class of the error
+    expectation : what was expected, in words; by default one of the known values
+    """
+    names = list(known)
+    if value not in names:
+        expectation = expectation or f"expected one of {', '.join(names)}"
+        hint = did_you_mean(str(value), names)
+        raise error(f"{where} = {value!r}: {expectation}{hint}")
+
+
 def not_by_check(file: Path, what: str, cause: object) -> InputError:
     """Return the error of a file that is no `what` ("run file") of `plymotion check`.
 

@@ -9,7 +9,7 @@ import math
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
-from ...solver.errors import check_keys, did_you_mean
+from ...solver.errors import check_keys, check_known, did_you_mean
 from ...solver.package.body.package_schema import LaminateData
 from ...solver.package.common.materials import Orthotropic
 from ...solver.package.common.recovery_schema import ShellPly
@@ -102,12 +102,8 @@ def laminate_from_dict(
 def _lamina(ply: Any, materials: Mapping[str, Orthotropic], where: str) -> Lamina:
     check_keys(ply, PLY, where, LaminateError)
     name = ply.get("material")
-    if name not in materials:
-        raise LaminateError(
-            f"{where}.material = {name!r}: no such material; expected one of "
-            + ", ".join(materials)
-            + did_you_mean(str(name), materials)
-        )
+    known = f"no such material; expected one of {', '.join(materials)}"
+    check_known(name, materials, f"{where}.material", LaminateError, known)
     thickness = _number(ply.get("thickness"), f"{where}.thickness", "m")
     angle_deg = _number(ply.get("angle_deg", 0.0), f"{where}.angle_deg", "deg")
     return Lamina(materials[name], angle_deg, thickness)

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...solver.errors import did_you_mean, few
+from ...solver.errors import check_known, few
 from ...solver.math.arrays import Array, IntArray
 from ...solver.package.common.cells import corner_areas
 from .shell_cells import ShellError
@@ -79,12 +79,8 @@ def _default(mesh: ShellMesh, cells: IntArray) -> Array:
 
 
 def _along_curve(mesh: ShellMesh, name: str, cells: IntArray, where: str) -> Array:
-    if name not in mesh.curves:
-        raise ShellError(
-            f"{where} = {name!r}: no physical curve of that name; the mesh has "
-            + (few(mesh.curves) or "none")
-            + did_you_mean(name, mesh.curves)
-        )
+    text = f"no physical curve of that name; the mesh has {few(mesh.curves) or 'none'}"
+    check_known(name, mesh.curves, where, ShellError, text)
     first, last = np.moveaxis(mesh.points_G[mesh.curves[name]], 1, 0)
     along = last - first
     middles = mesh.centres_G[cells]
@@ -153,13 +149,9 @@ def group(mesh: ShellMesh, name: str, where: str) -> Group:
         "surface": mesh.regions,
     }
     kinds_of_name = [kind for kind, names in kinds.items() if name in names]
-    if not kinds_of_name:
-        known = [str(known) for names in kinds.values() for known in names]
-        raise ShellError(
-            f"{where} = {name!r}: no physical group of that name; the mesh has "
-            + (few(known) or "none")
-            + did_you_mean(name, known)
-        )
+    known = [str(known) for names in kinds.values() for known in names]
+    text = f"no physical group of that name; the mesh has {few(known) or 'none'}"
+    check_known(name, known, where, ShellError, text)
     if len(kinds_of_name) > 1:
         raise ShellError(
             f"{where} = {name!r}: a {' and a '.join(kinds_of_name)} have this name; give them "

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from ...solver.errors import did_you_mean
+from ...solver.errors import check_known
 from ...solver.math.arrays import Array, IntArray
 from ...solver.package.common import cells as tables
 from ...solver.package.common.plain_data import canonical
@@ -99,11 +99,8 @@ def shell_mesh(spec_mesh: Mapping[str, Any], where: str) -> ShellMesh:
     if isinstance(scale, bool) or not isinstance(scale, int | float) or not scale > 0.0:
         raise ShellError(f"{where}.scale = {scale!r}: expected a number above 0")
     element = spec_mesh.get("element")
-    if element is not None and element not in ELEMENTS:
-        raise ShellError(
-            f"{where}.element = {element!r}: expected one of {', '.join(ELEMENTS)}"
-            + did_you_mean(str(element), ELEMENTS)
-        )
+    if element is not None:
+        check_known(element, ELEMENTS, f"{where}.element", ShellError)
     refine = spec_mesh.get("refine", 0)
     if isinstance(refine, bool) or not isinstance(refine, int) or refine < 0:
         raise ShellError(f"{where}.refine = {refine!r}: expected an integer of at least 0")

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ....solver.errors import coded, did_you_mean, few
+from ....solver.errors import check_known, coded, did_you_mean, few
 from ....solver.math.arrays import Array
 from ....solver.package.common.materials import Anisotropic, Orthotropic, bond, elastic_from_dict
 from ....solver.package.common.recovery_schema import Ply
@@ -146,11 +146,7 @@ def layup(spec: Mapping[str, Any], mesh: SectionMesh, space: SectionSpace, where
     MaterialError : impossible constants.
     """
     convention = spec.get("convention", CONVENTIONS[0])
-    if convention not in CONVENTIONS:
-        raise SectionError(
-            f"{where}.convention = {convention!r}: expected one of {', '.join(CONVENTIONS)}"
-            + did_you_mean(str(convention), CONVENTIONS)
-        )
+    check_known(convention, CONVENTIONS, f"{where}.convention", SectionError)
     names = mesh.cells.regions
     regions = _of_mesh(spec["regions"], names)
     _same_names(regions, names, where)
@@ -181,13 +177,8 @@ def layup(spec: Mapping[str, Any], mesh: SectionMesh, space: SectionSpace, where
         mixed += int(np.count_nonzero(index.min(axis=1) != index.max(axis=1)))
         turning |= turns.turning
         for i, entry in enumerate(region["plies"]):
-            material = entry["material"]
-            if material not in table:
-                raise SectionError(
-                    f"{place}.plies[{i}].material = {material!r}: expected one of "
-                    + few(table)
-                    + did_you_mean(str(material), table)
-                )
+            material, key = entry["material"], f"{place}.plies[{i}].material"
+            check_known(material, table, key, SectionError, f"expected one of {few(table)}")
             plies.append(Ply(name, i, material, float(entry.get("angle_deg", 0.0))))
             materials.append(table[material])
     reversing = np.zeros(space.n_cell, dtype=bool)
@@ -248,12 +239,9 @@ class _Direction:
             self.turning = mesh.cells.layer_angle.shape[1] > 1
             return
         if self.kind == "curve":
-            if self.value not in mesh.curves:
-                raise SectionError(
-                    f"{where}.direction.curve = {self.value!r}: the mesh has no such physical "
-                    f"curve, expected one of {few(mesh.curves) or 'none'}"
-                    + did_you_mean(str(self.value), mesh.curves)
-                )
+            known = f"expected one of {few(mesh.curves) or 'none'}"
+            text = f"the mesh has no such physical curve, {known}"
+            check_known(self.value, mesh.curves, f"{where}.direction.curve", SectionError, text)
             self._segments = mesh.curves[self.value]
         elif self.kind == "vector":
             vector = np.asarray(self.value, dtype=float)

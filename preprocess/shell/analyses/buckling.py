@@ -14,7 +14,7 @@ import scipy.linalg
 import scipy.sparse as sp
 from scipy.sparse.linalg import ArpackError, ArpackNoConvergence, LinearOperator, eigsh
 
-from ....solver.errors import coded, did_you_mean
+from ....solver.errors import check_known, coded
 from ....solver.math.arrays import Array
 from ... import fenicsx
 from ...fenicsx.team import whole
@@ -232,12 +232,9 @@ class Stressed:
         return float(np.linalg.norm(turned, axis=1).max(initial=0.0))
 
     def _row(self, case: str, where: str) -> int:
-        if case not in self.names:
-            raise ShellError(
-                f"{where} = {case!r}: no load case of that name; expected one of "
-                + (", ".join(self.names) or "those of tables loads.CASE")
-                + did_you_mean(case, self.names)
-            )
+        known = ", ".join(self.names) or "those of tables loads.CASE"
+        text = f"no load case of that name; expected one of {known}"
+        check_known(case, self.names, where, ShellError, text)
         return self.names.index(case)
 
 

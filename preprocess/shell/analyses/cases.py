@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import scipy.sparse as sp
 
-from ....solver.errors import coded, did_you_mean
+from ....solver.errors import check_known, coded
 from ....solver.math.arrays import Array, IntArray
 from ....solver.package.shell.shell_schema import (
     SHELL_MOTIONS,
@@ -120,16 +120,12 @@ def read_probes(problem: ShellProblem) -> list[Probe]:
     probes = []
     for name, entry in problem.spec.get("probes", {}).items():
         where = f"{problem.where}.probes.{name}"
-        what = entry.get("what")
+        what, expected = entry.get("what"), f"expected some of {', '.join(KNOWN)}"
         for quantity in [what] if isinstance(what, str) else what or []:
-            if quantity not in KNOWN:
-                raise ShellError(
-                    f"{where}.what = {quantity!r}: expected some of {', '.join(KNOWN)}"
-                    + did_you_mean(str(quantity), KNOWN)
-                )
+            check_known(quantity, KNOWN, f"{where}.what", ShellError, expected)
             probes.append(_probe(problem, name, quantity, entry, where))
         if not what:
-            raise ShellError(f"{where}.what: missing, expected some of {', '.join(KNOWN)}")
+            raise ShellError(f"{where}.what: missing, {expected}")
     return probes
 
 

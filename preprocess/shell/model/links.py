@@ -33,7 +33,7 @@ from typing import Any
 
 import numpy as np
 
-from ....solver.errors import did_you_mean
+from ....solver.errors import check_known
 from ....solver.math.arrays import Array, IntArray
 from ....solver.package.specification import SHELL_LINK_KINDS
 from ..groups import Group, united, vector
@@ -68,11 +68,7 @@ def read_links(
     for name, entry in table.items():
         place = f"{where}.{name}"
         kind = entry.get("kind")
-        if kind not in SHELL_LINK_KINDS:
-            raise ShellError(
-                f"{place}.kind = {kind!r}: expected one of {', '.join(SHELL_LINK_KINDS)}"
-                + did_you_mean(str(kind), SHELL_LINK_KINDS)
-            )
+        check_known(kind, SHELL_LINK_KINDS, f"{place}.kind", ShellError)
         of = united(mesh, entry.get("at", ""), f"{place}.at")
         point = entry.get("point")
         centre = of.centre_G if point is None else vector(point, f"{place}.point")

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ....solver.errors import did_you_mean, few
+from ....solver.errors import check_known, did_you_mean, few
 from ....solver.math.arrays import Array, IntArray
 from ....solver.package.common.cells import NONE, corner_counts
 from ....solver.package.common.materials import Orthotropic, material_from_dict
@@ -146,12 +146,9 @@ def _laminate(
 ) -> tuple[str, LaminateSpec]:
     if "laminate" in table:
         name = table["laminate"]
-        if name not in laminates:
-            raise ShellError(
-                f"{where}.laminate = {name!r}: no such laminate; expected one of "
-                + (few(laminates) or "those of a table laminates")
-                + did_you_mean(str(name), laminates)
-            )
+        known = few(laminates) or "those of a table laminates"
+        text = f"no such laminate; expected one of {known}"
+        check_known(name, laminates, f"{where}.laminate", ShellError, text)
         return str(name), laminates[name]
     if "material" not in table or "thickness" not in table:
         raise ShellError(f"{where}: expected laminate = ..., or material = ... and thickness = ...")

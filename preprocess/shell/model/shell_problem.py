@@ -27,12 +27,12 @@ import copy
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property, lru_cache
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
 
-from ....solver.errors import check_keys, did_you_mean
+from ....solver.errors import check_keys, check_known
 from ....solver.math.arrays import Array
 from ....solver.package.body.package_schema import MASS_FORMS
 from ... import fenicsx
@@ -87,13 +87,6 @@ ENTRIES = {
 BUCKLING = ("count", "cases", "constant", "in_plane", "error")
 
 
-class Elements(NamedTuple):
-    """Choice of elements and mass form."""
-
-    choice: Choice
-    mass_form: str
-
-
 def check_spec(spec: Mapping[str, Any], where: str) -> None:
     """Raise ShellError for a key that is unknown, missing or not a table."""
     check_keys(spec, (*REQUIRED, *TABLES, *OTHER), where, ShellError)
@@ -117,18 +110,14 @@ def check_spec(spec: Mapping[str, Any], where: str) -> None:
     check_keys(spec.get("buckling", {}), BUCKLING, f"{where}.buckling", ShellError)
 
 
-def elements(table: Mapping[str, Any], where: str) -> Elements:
-    """Plate, membrane, drilling and mass. Raises ShellError for a name that does not exist."""
+def elements(table: Mapping[str, Any], where: str) -> tuple[Choice, str]:
+    """Elements and form of the mass. Raises ShellError for a name that does not exist."""
     check_keys(table, (*Choice._fields, "mass_form"), where, ShellError)
     form = table.get("mass_form", "consistent")
-    if form not in MASS_FORMS:
-        raise ShellError(
-            f"{where}.mass_form = {form!r}: expected one of {', '.join(MASS_FORMS)}"
-            + did_you_mean(str(form), MASS_FORMS)
-        )
+    check_known(form, MASS_FORMS, f"{where}.mass_form", ShellError)
     given = {key: table[key] for key in Choice._fields if key in table}
     try:
-        return Elements(Choice(**given).checked(), form)
+        return Choice(**given).checked(), form
     except ShellError as error:
         raise ShellError(f"{where}.{error}") from error
 

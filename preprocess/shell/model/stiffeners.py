@@ -18,7 +18,7 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 
-from ....solver.errors import few
+from ....solver.errors import check_known, few
 from ....solver.math.arrays import REGULAR, Array, IntArray, smallest_eigenvalue
 from ....solver.package.common.plain_data import canonical
 from ...beam.line import BeamLine, LineSection
@@ -261,11 +261,8 @@ def read_stiffeners(
     for name, entry in table.items():
         place = f"{where}.{name}"
         at = str(entry.get("at"))
-        if at not in mesh.curves:
-            raise ShellError(
-                f"{place}.at = {at!r}: expected a physical curve of the mesh, it has "
-                + (few(mesh.curves) or "none")
-            )
+        text = f"expected a physical curve of the mesh, it has {few(mesh.curves) or 'none'}"
+        check_known(at, mesh.curves, f"{place}.at", ShellError, text)
         ends = np.asarray(mesh.curves[at])
         along = np.diff(mesh.points_G[ends], axis=1)[:, 0]
         x1 = along / np.linalg.norm(along, axis=1)[:, None]

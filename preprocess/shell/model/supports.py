@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ....solver.errors import did_you_mean
+from ....solver.errors import check_known, did_you_mean
 from ....solver.math.arrays import Array, IntArray
 from ..groups import united
 from ..shell_cells import DOFS, ShellError
@@ -63,11 +63,8 @@ def read_supports(
             nodes, point = of.nodes, of.centre_G
         dofs = np.sort((DOFS * nodes[:, None] + components).ravel())
         only = entry.get("only")
-        if only is not None and only not in ONLY:
-            raise ShellError(
-                f"{place}.only = {only!r}: expected {' or '.join(ONLY)}"
-                + did_you_mean(str(only), ONLY)
-            )
+        if only is not None:
+            check_known(only, ONLY, f"{place}.only", ShellError, f"expected {' or '.join(ONLY)}")
         supports.append(Support(name, dofs, point, only))
     return supports
 
@@ -75,12 +72,11 @@ def read_supports(
 def fixed_components(value: Any, where: str) -> IntArray:
     """Numbers 0 ... 5 of "all", a symmetry, or a list of components. Raises ShellError."""
     names = WORDS.get(value) if isinstance(value, str) else value
-    known = (*COMPONENTS, *WORDS)
     if not isinstance(names, Sequence) or isinstance(names, str) or not names:
         raise ShellError(
             f"{where} = {value!r}: expected {', '.join(WORDS)}, or a list of "
             + ", ".join(COMPONENTS)
-            + did_you_mean(str(value), known)
+            + did_you_mean(str(value), (*COMPONENTS, *WORDS))
         )
     for name in names:
         if name not in COMPONENTS:
