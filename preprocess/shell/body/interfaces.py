@@ -21,26 +21,6 @@ from ..shell_mesh import ShellMesh
 
 
 @dataclass(frozen=True)
-class ShellInterface:
-    """A checked specification of an interface.
-
-    Attributes
-    ----------
-    at : physical group of the mesh
-    link : "rigid" (the group moves as a rigid body) or "average" (the interface follows its mean
-     motion)
-    position_B : (3,) reference point, None for the centre of the group [m]
-    A_BI : (3, 3) interface axes in body axes
-    """
-
-    name: str
-    at: str
-    link: str
-    position_B: Array | None
-    A_BI: Array
-
-
-@dataclass(frozen=True)
 class ShellBodySpec:
     """A checked specification of a shell body.
 
@@ -48,7 +28,7 @@ class ShellBodySpec:
     ----------
     body : name
     shell : specification of the shell, with links for the interfaces and the mass form
-    interfaces : in the order of the links
+    interfaces : name and (3, 3) axes A_BI in body axes of each, in the order of the links
     reference : how the body frame is attached to the shell; its places are interfaces, by number
     modes : requested modes
     damping_ratio : of every mode, fraction of critical
@@ -57,7 +37,7 @@ class ShellBodySpec:
 
     body: str
     shell: dict[str, object]
-    interfaces: tuple[ShellInterface, ...]
+    interfaces: dict[str, Array]
     reference: Reference
     modes: ModeSpec
     damping_ratio: float
@@ -72,29 +52,20 @@ def read_shell_body(spec: Mapping[str, object]) -> ShellBodySpec:
     SpecError : a key is unknown or missing, a value has another type, an interface does not exist.
     """
     table = check_form(spec, ShellSpecification)
-    interfaces = tuple(_interface(name, entry) for name, entry in table["interfaces"].items())
-    numbers = {interface.name: float(i) for i, interface in enumerate(interfaces)}
+    numbers = {name: float(i) for i, name in enumerate(table["interfaces"])}
     elements = {**table["shell"]["elements"], "mass_form": table["mass_form"]}
     links = {name: _link(entry) for name, entry in table["interfaces"].items()}
     return ShellBodySpec(
         body=table["body"],
         shell={**table["shell"], "elements": elements, "links": links},
-        interfaces=interfaces,
+        interfaces={
+            name: vector_to_matrix(np.deg2rad(entry["rotation_deg"]))
+            for name, entry in table["interfaces"].items()
+        },
         reference=read_reference(table["reference"], numbers),
         modes=read_modes(table["modes"], numbers),
         damping_ratio=float(table["damping_ratio"]),
         second_order=table.get("second_order", False),
-    )
-
-
-def _interface(name: str, table: ShellInterfaceTable) -> ShellInterface:
-    position = table.get("position")
-    return ShellInterface(
-        name=name,
-        at=table["at"],
-        link=table["link"],
-        position_B=None if position is None else np.array(position, dtype=float),
-        A_BI=vector_to_matrix(np.deg2rad(table["rotation_deg"])),
     )
 
 
@@ -141,7 +112,7 @@ def node_shapes(mesh: ShellMesh, links: Sequence[Link], places: Places, u: Array
 
 
 def interfaces(
-    requested: Sequence[ShellInterface],
+    axes: Mapping[str, Array],
     mesh: ShellMesh,
     links: Sequence[Link],
     places: Places,
@@ -152,14 +123,15 @@ def interfaces(
 
     Parameters
     ----------
-    requested, links : in the same order
+    axes : (3, 3) interface axes A_BI in body axes by name
+    links : those of the interfaces
     u : (n_dof, m) motion of all degrees of freedom, those of the links last
     h : (n_dof, m, m) second-order motion, or None
     """
     rows = u.reshape(len(u) // 6, 6, u.shape[1])
     bent = None if h is None else h.reshape(len(u) // 6, 6, *h.shape[1:])
     result = []
-    for i, (interface, link) in enumerate(zip(requested, links, strict=True)):
+    for i, link in enumerate(links):
         motion = rows[mesh.n_node + i]
         nodes = link.group.nodes
         order = np.argsort(mesh.node_tags[nodes])
@@ -173,7 +145,7 @@ def interfaces(
                 node_ids=ids,
                 weights=weights / weights.sum(),
                 position_B=link.point_G,
-                A_BI=interface.A_BI,
+                A_BI=axes[link.name],
                 phi_B=motion[:3],
                 psi_B=motion[3:],
                 H_B=None if bent is None else bent[mesh.n_node + i, :3],

@@ -100,7 +100,7 @@ class ShellModel:
 
     def static_loads(self) -> list[StaticLoad]:
         """Loads of the requested static modes."""
-        places, names = self._places_B - self.origin_B, [i.name for i in self.spec.interfaces]
+        places, names = self._places_B - self.origin_B, list(self.spec.interfaces)
         return self.spec.modes.static_loads(self._unit_forces(), names, places[:, 0], places)
 
     def _unit_forces(self) -> Array:
