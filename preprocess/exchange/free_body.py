@@ -1,4 +1,4 @@
-"""A free body as another code describes it: nodes, cells, stiffness, mass, and laminates of shells.
+"""A body as another code describes it: by stiffness, mass and laminates of shells, or by modes.
 
 The source gives plies and axes of its cells. Strains at the middle of a cell follow from the
 displacements and rotations of its nodes, resultants from them by the laminate. No element of the
@@ -220,6 +220,36 @@ class FreeBody:
         """Node and direction of a dof, for messages."""
         label = self.node_ids[self.dof_node[dof]]
         return f"node {label}, direction {DIRECTIONS[self.dof_direction[dof]]}"
+
+
+@dataclass(frozen=True)
+class ModalBody:
+    """Modes of a source in its units; n nodes, m modes in ascending frequency.
+
+    Attributes
+    ----------
+    shapes : (m, n, 6) displacements and rotations, any scale
+    hertz : (m,) natural frequencies [1 / time]
+    has_rotations : whether the source has rotations
+    damping_ratios : (m,); None: zero
+    mass : (n,); None: from the file `masses`
+    """
+
+    where: str
+    nodes: Array
+    node_ids: IntArray
+    cells: Cells
+    shapes: Array
+    hertz: Array
+    has_rotations: bool = False
+    damping_ratios: Array | None = None
+    mass: Array | None = None
+    groups: dict[str, IntArray] = field(default_factory=dict)
+
+    @property
+    def dof_node(self) -> IntArray:
+        """Nodes that move: all."""
+        return np.arange(len(self.nodes))
 
 
 def free_body(

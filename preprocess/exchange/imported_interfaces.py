@@ -7,7 +7,7 @@ all shares are positive, also those of the corners of a face with nodes on its s
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
@@ -17,7 +17,7 @@ from ...solver.math.arrays import Array, IntArray
 from ...solver.math.rotations import vector_to_matrix
 from ...solver.package.body.invariants import rigid_motions
 from ...solver.package.common.cells import SOLID_FACES, corners_of
-from .free_body import Cells, FreeBody
+from .free_body import Cells, FreeBody, ModalBody
 from .import_table import InterfaceTable
 
 # VTK type -> faces, or edges of a flat cell: nodes at the corners, then on the sides.
@@ -92,26 +92,6 @@ class Link:
     motion: sp.csr_matrix
 
 
-class Mesh(Protocol):
-    """What a selection of nodes needs of a body."""
-
-    @property
-    def nodes(self) -> Array:
-        """Coordinates (n, 3) [m]."""
-
-    @property
-    def node_ids(self) -> IntArray:
-        """Labels (n,)."""
-
-    @property
-    def dof_node(self) -> IntArray:
-        """Nodes that move."""
-
-    @property
-    def groups(self) -> dict[str, IntArray]:
-        """Rows of nodes by name."""
-
-
 class Constrained(NamedTuple):
     """Dofs after the rigid links.
 
@@ -166,7 +146,7 @@ def _three(value: list[float], where: str) -> Array:
     return np.array(value, dtype=float)
 
 
-def interface_rows(body: Mesh, table: Any, length: float, where: str) -> IntArray:
+def interface_rows(body: FreeBody | ModalBody, table: Any, length: float, where: str) -> IntArray:
     """Rows of the nodes of an interface, without those that have no dof."""
     given = [key for key in ("set", "nodes", "box") if key in table]
     if len(given) != 1:

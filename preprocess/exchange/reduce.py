@@ -160,14 +160,14 @@ def _modes(
     parts: Constrained,
     tell: Tell,
     direct: Solver,
-) -> tuple[Modes, HeldDofs | MeanAxis]:
+) -> tuple[Modes, Condition]:
     K, M = (parts.T.T @ A @ parts.T for A in (body.K, body.M))
     algebra = Algebra(direct.solve, direct.negative_pivots)
     kind = table["reference"]["kind"]
     carriers = _carriers(body, table, every)
     if kind == "mean-axis":
         still = _six_dofs(parts)
-        condition: HeldDofs | MeanAxis = MeanAxis(K, M, parts.rigid, algebra, still)
+        condition: Condition = MeanAxis(K, M, parts.rigid, algebra, still)
         direct.add_subset(np.setdiff1d(np.arange(K.shape[0]), still))
     else:
         held = [

@@ -15,7 +15,7 @@ in other coordinates.
 
 from collections.abc import Callable
 from functools import partial
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.linalg
@@ -77,42 +77,15 @@ class StaticShapes(NamedTuple):
     loads: Array  # (n_dof, k) nodal forces + M a
 
 
-class Condition(Protocol):
-    """Interface of a reference condition to the mode computation."""
-
-    algebra: Algebra
-    K: sp.csr_matrix  # (n_dof, n_dof) stiffness of the free body, six dofs per node
-    M: sp.csr_matrix  # (n_dof, n_dof) mass
-    n_finite: int  # elastic modes of finite frequency
-    n_free: int  # dofs that move
-    free: IntArray  # dofs whose equations the modes fulfil
-
-    def lowest(self, count: int, solver: EigenSolver) -> tuple[Array, Array]:
-        """Ascending values (count,) and M-orthonormal columns (n_dof, count)."""
-
-    def count_below(self, value: float) -> int:
-        """Number of elastic eigenvalues below a value."""
-
-    def static(self, forces: Array, accelerations: Array) -> StaticShapes:
-        """Shapes under nodal forces (n_dof, k) and loads M a, a = accelerations (n_dof, k)."""
-
-    def relief(self, loads: Array) -> Array:
-        """Accelerations (n_dof, k) of a free body that balance loads (n_dof, k).
-
-        Also the rigid motion in the derivative of shapes, with that of the mass times them as load.
-        """
-
-    def load_rates(
-        self, static: StaticShapes, mass: Any, forces: Array, accelerations: Array
-    ) -> tuple[Array, Array]:
-        """Derivatives of accelerations and loads of static shapes.
-
-        From those of the mass, the forces and the accelerations that were given.
-        """
-
-
 class HeldDofs:
-    """Frame fixed to six dofs."""
+    """Frame fixed to six dofs.
+
+    Attributes
+    ----------
+    K, M : (n_dof, n_dof) stiffness and mass of the free body, six dofs per node
+    free : dofs that move, `n_free` of them, whose equations the modes fulfil
+    n_finite : number of elastic modes of finite frequency
+    """
 
     def __init__(self, K: Any, M: Any, held: IntArray, algebra: "Algebra | None" = None) -> None:
         self.K, self.M = K.tocsr(), M.tocsr()
@@ -123,28 +96,35 @@ class HeldDofs:
         self.n_free = len(self.free)
 
     def lowest(self, count: int, solver: EigenSolver) -> tuple[Array, Array]:
-        """See `Condition`."""
+        """Ascending values (count,) and M-orthonormal columns (n_dof, count)."""
         columns = self._expanded(solver(self._K_free, self._M_free, count)[1])
         return rayleigh(self.K, self.M, columns), columns
 
     def count_below(self, value: float) -> int:
-        """See `Condition`."""
+        """Number of elastic eigenvalues below a value."""
         return self.algebra.negative_pivots(self._K_free - value * self._M_free)
 
     def static(self, forces: Array, accelerations: Array) -> StaticShapes:
-        """See `Condition`."""
+        """Shapes under nodal forces (n_dof, k) and loads M a, a = accelerations (n_dof, k)."""
         loads = forces + self.M @ accelerations
         columns = self._expanded(self.algebra.solve(self._K_free, loads[self.free]))
         return StaticShapes(columns, accelerations, loads)
 
     def relief(self, loads: Array) -> Array:
-        """See `Condition`. The held dofs carry all loads."""
+        """Accelerations (n_dof, k) of a free body that balance loads (n_dof, k).
+
+        Also the rigid motion in the derivative of shapes, with that of the mass times them as load.
+        Zero here: the held dofs carry all loads.
+        """
         return np.zeros_like(loads)
 
     def load_rates(
         self, static: StaticShapes, mass: Any, forces: Array, accelerations: Array
     ) -> tuple[Array, Array]:
-        """See `Condition`."""
+        """Derivatives of accelerations and loads of static shapes.
+
+        From those of the mass, the forces and the accelerations that were given.
+        """
         return accelerations, forces + mass @ static.accelerations + self.M @ accelerations
 
     def _expanded(self, X_free: Array) -> Array:
@@ -197,7 +177,7 @@ class MeanAxis:
         self.free = np.arange(self.n_free)
 
     def lowest(self, count: int, solver: EigenSolver) -> tuple[Array, Array]:
-        """See `Condition`. The shift is below zero, where K + shift M is positive definite."""
+        """See `HeldDofs`. The shift is below zero, where K + shift M is positive definite."""
         shift = self._soft_value()
         X = self._without_momentum(solver(self.K + shift * self.M, self.M, count + 6)[1])
         length = np.sqrt(np.einsum("ni,ni->i", X, self.M @ X))
@@ -214,24 +194,24 @@ class MeanAxis:
         return values[order], X[:, order]
 
     def count_below(self, value: float) -> int:
-        """See `Condition`."""
+        """See `HeldDofs`."""
         return self.algebra.negative_pivots(self.K - value * self.M) - 6
 
     def static(self, forces: Array, accelerations: Array) -> StaticShapes:
-        """See `Condition`."""
+        """See `HeldDofs`."""
         accelerations, loads = self._balanced(accelerations, forces + self.M @ accelerations)
         shapes = self._still.static(loads, np.zeros_like(loads))
         return StaticShapes(self._without_momentum(shapes.columns), accelerations, loads)
 
     def relief(self, loads: Array) -> Array:
-        """See `Condition`."""
+        """See `HeldDofs`."""
         resultant = self.rigid.T @ loads
         return np.asarray(-self.rigid @ scipy.linalg.cho_solve(self._inertia, resultant))
 
     def load_rates(
         self, static: StaticShapes, mass: Any, forces: Array, accelerations: Array
     ) -> tuple[Array, Array]:
-        """See `Condition`. What balances the load changes, too."""
+        """See `HeldDofs`. What balances the load changes, too."""
         loads = forces + mass @ static.accelerations + self.M @ accelerations
         return self._balanced(accelerations, loads)
 
@@ -256,6 +236,9 @@ class MeanAxis:
             shape = self.static(load, zero).columns
             load = self.M @ (shape / np.sqrt(np.sum(shape * (self.M @ shape))))
         return float(rayleigh(self.K, self.M, shape)[0])
+
+
+Condition = HeldDofs | MeanAxis
 
 
 def rayleigh(K: Any, M: Any, X: Array) -> Array:

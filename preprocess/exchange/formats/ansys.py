@@ -12,9 +12,8 @@ import scipy.sparse as sp
 
 from ....solver.errors import InputError
 from ....solver.math.arrays import Array, IntArray
-from ..free_body import DIRECTIONS, Cells, FreeBody, free_body, rows_of
+from ..free_body import DIRECTIONS, Cells, FreeBody, ModalBody, free_body, rows_of
 from ..import_table import Files
-from .modal import ModalBody
 
 # The library gives elements with midside nodes the VTK type of those without.
 WITH_MIDSIDES = {(12, 20): 25, (10, 10): 24, (13, 15): 26, (14, 13): 27, (9, 8): 23, (5, 6): 22}

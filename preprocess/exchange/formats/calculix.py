@@ -16,10 +16,9 @@ import scipy.sparse as sp
 
 from ....solver.errors import InputError
 from ....solver.math.arrays import Array, IntArray
-from ..free_body import Cells, FreeBody, free_body, rows_of
+from ..free_body import Cells, FreeBody, ModalBody, free_body, rows_of
 from ..import_table import Files, text_lines
 from ..imported_interfaces import SHARES, face_area
-from .modal import ModalBody
 
 # Type without its suffixes -> VTK type and number of nodes. The order of the nodes is that of VTK.
 SOLIDS = {

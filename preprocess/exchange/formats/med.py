@@ -11,9 +11,8 @@ import numpy as np
 from ....solver.errors import InputError, nearest, printable
 from ....solver.package import ModalPackage
 from ....solver.package.common.files import DiskFile, temporary_sibling
-from ..free_body import Cells
+from ..free_body import Cells, ModalBody
 from ..import_table import Files
-from .modal import ModalBody
 
 # VTK type -> name in MED, and the nodes of VTK in the order of MED. The solids of MED are mirrored:
 # their first face, seen from inside, turns the other way.

@@ -4,17 +4,17 @@ Computed modes without matrices, and measured ones, take the same way: shapes at
 the nodes, and corrections that make the shapes orthonormal in these masses.
 """
 
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from ....solver.errors import InputError, nearest
-from ....solver.math.arrays import Array, IntArray
+from ....solver.math.arrays import Array
 from ....solver.package import ModalPackage
 from ....solver.package.body.measured import Measurement, experimental_package
 from ....solver.package.common.files import write_text
-from ..free_body import Cells, rows_of
+from ..free_body import ModalBody, rows_of
 from ..import_table import Files, Reduction, damping_ratio, provenance, sizes
 from ..imported_interfaces import interface_rows
 from .matrices import table_rows
@@ -22,36 +22,6 @@ from .matrices import table_rows
 LINES = {3: ((0, 1),), 5: ((0, 1), (1, 2), (2, 0)), 9: ((0, 1), (1, 2), (2, 3), (3, 0))}
 LINES |= {22: LINES[5], 23: LINES[9]}
 PARTS = {"Jxx": (0, 0), "Jyy": (1, 1), "Jzz": (2, 2), "Jxy": (0, 1), "Jxz": (0, 2), "Jyz": (1, 2)}
-
-
-@dataclass(frozen=True)
-class ModalBody:
-    """Modes of a source in its units; n nodes, m modes in ascending frequency.
-
-    Attributes
-    ----------
-    shapes : (m, n, 6) displacements and rotations, any scale
-    hertz : (m,) natural frequencies [1 / time]
-    has_rotations : whether the source has rotations
-    damping_ratios : (m,); None: zero
-    mass : (n,); None: from the file `masses`
-    """
-
-    where: str
-    nodes: Array
-    node_ids: IntArray
-    cells: Cells
-    shapes: Array
-    hertz: Array
-    has_rotations: bool = False
-    damping_ratios: Array | None = None
-    mass: Array | None = None
-    groups: dict[str, IntArray] = field(default_factory=dict)
-
-    @property
-    def dof_node(self) -> IntArray:
-        """Nodes that move: all."""
-        return np.arange(len(self.nodes))
 
 
 def modal_package(body: ModalBody, table: Reduction, files: Files) -> ModalPackage:

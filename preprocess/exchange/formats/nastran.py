@@ -17,18 +17,18 @@ from ....solver.package.specification import PlyTable
 from ..free_body import DIRECTIONS, Cells, FreeBody, Layups, free_body, rows_of
 from ..import_table import Files, text_lines
 
-# Card -> number of corners; first field of the nodes; number of nodes -> VTK type
+# Card -> number of nodes, from the third field on -> VTK type
 ELEMENTS = {
-    "CQUAD4": (3, {4: 9}),
-    "CQUADR": (3, {4: 9}),
-    "CTRIA3": (3, {3: 5}),
-    "CTRIAR": (3, {3: 5}),
-    "CTETRA": (3, {4: 10, 10: 24}),
-    "CPENTA": (3, {6: 13, 15: 26}),
-    "CHEXA": (3, {8: 12, 20: 25}),
-    "CBAR": (3, {2: 3}),
-    "CBEAM": (3, {2: 3}),
-    "CROD": (3, {2: 3}),
+    "CQUAD4": {4: 9},
+    "CQUADR": {4: 9},
+    "CTRIA3": {3: 5},
+    "CTRIAR": {3: 5},
+    "CTETRA": {4: 10, 10: 24},
+    "CPENTA": {6: 13, 15: 26},
+    "CHEXA": {8: 12, 20: 25},
+    "CBAR": {2: 3},
+    "CBEAM": {2: 3},
+    "CROD": {2: 3},
 }
 # NASTRAN lists the nodes on vertical edges before those of the upper face, VTK after them.
 ORDER = {25: [*range(12), *range(16, 20), *range(12, 16)], 26: [*range(9), 12, 13, 14, 9, 10, 11]}
@@ -69,8 +69,8 @@ def read_bulk_data(path: Path, cards: Sequence[Card]) -> tuple[IntArray, Array, 
         elif card == "SPOINT":
             raise InputError(f"{path}: SPOINT: expected grid points only")
         elif card in ELEMENTS:
-            start, kinds = ELEMENTS[card]
-            listed = fields[start - 1 : start - 1 + max(kinds)]
+            kinds = ELEMENTS[card]
+            listed = fields[2 : 2 + max(kinds)]
             nodes = [int(text) for text in listed if text.isdecimal() and int(text) > 0]
             size = max((k for k in kinds if k <= len(nodes)), default=0)
             if not size:

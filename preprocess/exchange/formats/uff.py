@@ -9,9 +9,9 @@ from ....solver.errors import InputError, printable
 from ....solver.math.arrays import Array
 from ....solver.package import ModalPackage
 from ....solver.package.common.files import write_text
-from ..free_body import Cells, rows_of
+from ..free_body import Cells, ModalBody, rows_of
 from ..import_table import Files, text_lines
-from .modal import ModalBody, write_masses
+from .modal import write_masses
 
 NORMAL_MODE, DISPLACEMENT, REAL = 2, 8, 2
 
