@@ -85,33 +85,9 @@ def _krylov_schur(
     purify: bool,
     solid: bool,
 ) -> Array:
+    n_dof, rows = K.shape[0], Distribution(team, K, M)
     eps = SLEPc.EPS().create(comm=team.comm)
-    rows = Distribution(team, K, M)
     operators = rows.matrix(K, spd=target == 0.0), rows.matrix(M, spd=False)
-    try:
-        # with a shift away from zero the factorised matrix is as far from singular as the
-        # eigenvalues require; K alone must be definite
-        random = RandomLoad(team.total(K.diagonal())) if target == 0.0 else None
-        return _solved(
-            eps, operators, n_mode, n_krylov, target, tolerance, rows, purify, solid, random
-        )
-    finally:
-        destroy(eps, *operators)
-
-
-def _solved(
-    eps: Any,
-    operators: tuple[Any, Any],
-    n_mode: int,
-    n_krylov: int,
-    target: float,
-    tolerance: float,
-    rows: Distribution,
-    purify: bool,
-    solid: bool,
-    random: RandomLoad | None,
-) -> Array:
-    n_dof = operators[0].getSize()[0]
     eps.setOperators(*operators)
     eps.setProblemType(SLEPc.EPS.ProblemType.GHEP)
     eps.setType(SLEPc.EPS.Type.KRYLOVSCHUR)
@@ -129,15 +105,17 @@ def _solved(
     # PETSc's own Cholesky does not pivot: use an LU for an indefinite matrix
     pc.setType("cholesky" if HAS_MUMPS or target <= 0.0 else "lu")
     use_mumps(pc, n_dof, solid)
-    start = PETSc.Vec().createMPI((rows.n_own, n_dof), comm=rows.team.comm)
-    start.setArray(
-        np.random.default_rng(0).standard_normal(n_dof)[rows.rows]
-    )  # runs must reproduce
+    start = PETSc.Vec().createMPI((rows.n_own, n_dof), comm=team.comm)
+    own = np.random.default_rng(0).standard_normal(n_dof)[rows.rows]  # runs must reproduce
+    start.setArray(own)
     eps.setInitialSpace([start])
     load, vector = start.duplicate(), start.duplicate()
     try:
         eps.setUp()
-        if random is not None:
+        # with a shift away from zero the factorised matrix is as far from singular as the
+        # eigenvalues require; K alone must be definite
+        if target == 0.0:
+            random = RandomLoad(team.total(K.diagonal()))
             load.setArray(random.load[rows.rows])
             ksp.solve(load, vector)
             if not random.is_regular(rows.gathered(vector.getArray())):
@@ -157,7 +135,7 @@ def _solved(
     except PETSC_ERRORS as error:
         raise EigenError(_singular(target, reason(error))) from error
     finally:
-        destroy(start, load, vector, pc, ksp, transformation)
+        destroy(start, load, vector, pc, ksp, transformation, eps, *operators)
 
 
 def _singular(target: float, why: str) -> str:
