@@ -39,15 +39,11 @@ from .section_specification import SectionError, check_spec, curvature_of, degre
 from .section_verification import verified
 from .section_warnings import (
     REVERSAL,
-    check_degree,
     coarse_warnings,
-    condition_warnings,
-    curvature_warnings,
-    density_warnings,
+    described_warnings,
     finer_mesh,
-    not_computed_warnings,
+    result_warnings,
     reversal_warnings,
-    solvability_warnings,
     taper_error,
 )
 from .space.layers import layup
@@ -297,14 +293,8 @@ def _on_mesh(
             # cells of another code are the section itself; others keep their edges when refined
             modulus = np.asarray(1.0 / np.linalg.inv(lay.stiffness[:, 0])[:, 0, 0], float)
             edges = error_of_edges(problem.mesh.cells, modulus)
-    allow = tuple(spec.get("allow", ()))
-    warnings = [
-        *problem.mesh.warnings,
-        *lay.warnings,
-        *check_degree(problem.space, lay, where, allow, given=degree_of(spec) is None),
-        *not_computed_warnings(spec.get("not_computed", ())),
-        *density_warnings(lay),
-    ]
+    warnings = [*problem.mesh.warnings, *lay.warnings]
+    warnings += described_warnings(spec, problem.space, lay, where)
     begin(f"warping, {problem.space.n_dof} dofs")
     solved = Solved(problem, lay, solve(problem, lay, where, spec, measured=not raised))
     if compare:
@@ -313,8 +303,7 @@ def _on_mesh(
         if raised:
             solved = resolved(solved, spec, where)
     problem, lay, result, error = solved.problem, solved.lay, solved.result, solved.error
-    warnings += [*solvability_warnings(result), *condition_warnings(result)]
-    warnings += curvature_warnings(result)
+    warnings += result_warnings(result)
     size, reversal = np.sqrt(np.diag(result.K)), 0.0
     size = np.outer(size, size)
     if error is not None:

@@ -1,6 +1,6 @@
 """Warnings about a section: locking, ill-conditioned equations, change along the beam."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -10,7 +10,7 @@ from ...solver.math.arrays import Array
 from ...solver.package.common.materials import Anisotropic, Orthotropic
 from .helical import CentralSolutions
 from .recovery import Result
-from .section_specification import ALLOWED, OF_MESH, SectionError
+from .section_specification import ALLOWED, OF_MESH, SectionError, degree_of
 from .space.layers import Layup
 from .space.section_cells import CellMesh
 from .space.space import SectionSpace
@@ -21,18 +21,32 @@ STRONG = 0.5  # least ratio of lengths of fibres at which the result is trusted 
 TAPER = 1e-3  # relative error of K by the neglect of taper that is worth a warning
 
 
-def curvature_warnings(result: Result) -> list[dict[str, str]]:
-    """Warning about a section that is large compared with the radius of curvature."""
-    if not isinstance(result, CentralSolutions) or result.strains.least_g >= STRONG:
-        return []
-    size = float(np.ptp(np.stack([result.space.x2, result.space.x3]), axis=1).max())
-    turn = float(np.linalg.norm(result.strains.k)) * size
-    return coded(
-        "strongly-curved",
-        f"the innermost fibre has {result.strains.least_g:.2g} of the length of the "
-        f"reference line (|k| h = {turn:.2g}): end effects reach far, so that a beam is a poor "
-        "model",
-    )
+def result_warnings(result: Result) -> list[dict[str, str]]:
+    """Warnings about loads on rigid motions, the condition of the equations, and curvature."""
+    warnings = []
+    if result.solvability > SOLVABILITY:
+        warnings += coded(
+            "few-digits",
+            f"the loads of the warping do work of {result.solvability:.1e} (relative) "
+            f"on rigid motions, usually at most {SOLVABILITY:g}: round-off, as in a very thin open "
+            "section; its shear stiffness has fewer correct digits",
+        )
+    if result.doubtful:
+        warnings += coded(
+            "ill-conditioned",
+            "the equations of the warping are nearly singular; the estimate contains "
+            "their round-off as far as a second solution shows it",
+        )
+    if isinstance(result, CentralSolutions) and result.strains.least_g < STRONG:
+        size = float(np.ptp(np.stack([result.space.x2, result.space.x3]), axis=1).max())
+        turn = float(np.linalg.norm(result.strains.k)) * size
+        warnings += coded(
+            "strongly-curved",
+            f"the innermost fibre has {result.strains.least_g:.2g} of the length of the "
+            f"reference line (|k| h = {turn:.2g}): end effects reach far, so that a beam is a poor "
+            "model",
+        )
+    return warnings
 
 
 def taper_error(
@@ -79,15 +93,16 @@ def bulk_over_shear(material: Orthotropic | Anisotropic) -> float:
     return 2.0 * float(np.linalg.eigvalsh(normal)[-1]) / float(normal.sum())
 
 
-def check_degree(
-    space: SectionSpace, lay: Layup, where: str, allow: Sequence[str] = (), *, given: bool = False
+def described_warnings(
+    spec: Mapping[str, Any], space: SectionSpace, lay: Layup, where: str
 ) -> list[dict[str, str]]:
-    """Warnings about the degree of the warping field.
+    """Warnings about what a specification asks for, its materials, and the degree of the warping.
 
     Raises SectionError if a linear field locks: EI is 18 % too large at Poisson's ratio 0.49. It is
-    only a warning if the functions are those of `given` cells of another code.
+    only a warning if the functions are those of given cells of another code.
     """
-    linear = space.degree == 1
+    linear, given = space.degree == 1, degree_of(spec) is None
+    materials = {p.material: m for p, m in zip(lay.plies, lay.materials, strict=True)}
     warnings = []
     if linear:
         warnings += coded(
@@ -95,66 +110,29 @@ def check_degree(
             "linear elements are a few per cent too stiff in bending and torsion; "
             "use mesh.degree = 2",
         )
-    for name, material in {
-        p.material: m for p, m in zip(lay.plies, lay.materials, strict=True)
-    }.items():
+    for name, material in materials.items():
         ratio = bulk_over_shear(material)
         if ratio <= (LOCKING if linear else INCOMPRESSIBLE):
             continue
         what = f"{name} is nearly incompressible (bulk modulus {ratio:.3g} times the shear modulus)"
-        if linear and not given and ALLOWED[0] not in allow:
+        if linear and not given and ALLOWED[0] not in spec.get("allow", ()):
             raise SectionError(
                 f"{where}.mesh.degree = 1: expected 2, because {what}: linear elements lock; "
                 f'allow = ["{ALLOWED[0]}"] computes it anyway'
             )
         effect = "linear elements lock" if linear else "stresses lose digits"
         warnings += coded("nearly-incompressible", f"{what}: {effect}")
+    if models := spec.get("not_computed"):
+        warnings += coded(
+            "model-not-computed",
+            f"the file asks for {', '.join(models)}: only the 6x6 stiffness and mass are computed",
+        )
+    if names := sorted(name for name, material in materials.items() if material.rho == 0.0):
+        warnings += coded(
+            "no-density",
+            f"{few(names)}: the density is 0, so the mass does not contain all of the section",
+        )
     return warnings
-
-
-def not_computed_warnings(models: Sequence[str]) -> list[dict[str, str]]:
-    """Warning about models that a file of another code asks for."""
-    if not models:
-        return []
-    return coded(
-        "model-not-computed",
-        f"the file asks for {', '.join(models)}: only the 6x6 stiffness and mass are computed",
-    )
-
-
-def density_warnings(lay: Layup) -> list[dict[str, str]]:
-    """Warning about materials without density, which files of other codes may have."""
-    pairs = zip(lay.plies, lay.materials, strict=True)
-    names = sorted({ply.material for ply, material in pairs if material.rho == 0.0})
-    if not names:
-        return []
-    return coded(
-        "no-density",
-        f"{few(names)}: the density is 0, so the mass does not contain all of the section",
-    )
-
-
-def solvability_warnings(result: Result) -> list[dict[str, str]]:
-    """Warning if the loads of the warping do work on rigid motions beyond round-off."""
-    if result.solvability <= SOLVABILITY:
-        return []
-    return coded(
-        "few-digits",
-        f"the loads of the warping do work of {result.solvability:.1e} (relative) "
-        f"on rigid motions, usually at most {SOLVABILITY:g}: round-off, as in a very thin open "
-        "section; its shear stiffness has fewer correct digits",
-    )
-
-
-def condition_warnings(result: Result) -> list[dict[str, str]]:
-    """Warning about equations that were solved although their condition would be refused."""
-    if not result.doubtful:
-        return []
-    return coded(
-        "ill-conditioned",
-        "the equations of the warping are nearly singular; the estimate contains "
-        "their round-off as far as a second solution shows it",
-    )
 
 
 def coarse_warnings(

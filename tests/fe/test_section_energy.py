@@ -10,7 +10,7 @@ from plymotion.preprocess.fenicsx import FactorisationError
 from plymotion.preprocess.section.section_analysis import analyse
 from plymotion.preprocess.section.section_problem import SectionProblem
 from plymotion.preprocess.section.section_specification import SectionError
-from plymotion.preprocess.section.section_warnings import solvability_warnings
+from plymotion.preprocess.section.section_warnings import result_warnings
 from plymotion.preprocess.section.space.section_mesh import section_mesh
 from plymotion.preprocess.section.timoshenko import SectionStiffness, beam_strain_fields, stiffness
 from plymotion.preprocess.section.warping import WarpingSolver, pinned_dofs, rigid_fields
@@ -83,14 +83,14 @@ def test_a_little_work_on_a_rigid_motion_is_told(off_axis: Solved) -> None:
     """Between round-off and a wrong equation there is a warning."""
     problem, C, result = off_axis
     assert result.solvability < 1e-12
-    assert solvability_warnings(result) == []
+    assert result_warnings(result) == []
     space, solver = problem.space, WarpingSolver(problem.space)
     solver.factorise(problem.space.E(C))
     fields = space.displacements((1, 0, 0), (space.x2, 0, 0))
     push, balanced = space.load(space.at_points(fields)).T[:, :, None]
     size = float(np.linalg.norm(balanced))
     solver.solve(balanced + 1e-8 * size / np.linalg.norm(push) * push, size)
-    (warning,) = solvability_warnings(replace(result, solvability=solver.solvability))
+    (warning,) = result_warnings(replace(result, solvability=solver.solvability))
     assert warning["code"] == "few-digits"
 
 
