@@ -23,7 +23,6 @@ not interpolated separately.
 
 from dataclasses import dataclass
 from functools import cache, cached_property
-from typing import Any
 
 import numpy as np
 
@@ -36,7 +35,6 @@ Z[1, 5], Z[2, 4] = 1.0, -1.0
 Q = -Z.T
 
 MASS_POINTS = 4  # N' m N has degree 6 in x: four Gauss points are exact
-MASS = "k,kai,ab,kbj->ij"  # int N' m N dx: weights, N, m, N
 
 
 def scaled_inverse(A: Array) -> Array:
@@ -86,12 +84,16 @@ class BeamElement:
         S, L = self._compliance, self.length
         return S * L + (Q.T @ S + S @ Q) * L**2 / 2 + Q.T @ S @ Q * L**3 / 3
 
+    @property
+    def _ends(self) -> Array:
+        """Forces at both nodes per resultants at node 1, transposed: (6, 12)."""
+        return np.hstack([-np.eye(6), np.eye(6) + self.length * Q.T])
+
     @cached_property
     def _resultants(self) -> Array:
         """Resultants at node 1 per nodal displacements, (6, 12)."""
         # C(L) = T(L)^-T flexibility: only the symmetric matrix has to be inverted.
-        T_end = np.eye(6) + self.length * Q
-        return scaled_inverse(self.flexibility()) @ np.hstack([-np.eye(6), T_end.T])
+        return scaled_inverse(self.flexibility()) @ self._ends
 
     def shape(self, x: Array) -> Array:
         """Shape functions N(x): displacement and rotation per nodal displacements.
@@ -121,9 +123,7 @@ class BeamElement:
         Equal to the integral of Paper: Eq. (35), because the strains are those
         of the exact static solution.
         """
-        T_end = np.eye(6) + self.length * Q
-        R = np.hstack([-np.eye(6), T_end.T])
-        return R.T @ scaled_inverse(self.flexibility()) @ R
+        return self._ends.T @ self._resultants
 
     def mass_matrix(self, mass: Array, mass_form: str) -> Array:
         """Element mass in the form "consistent", int N' m N dx, or "lumped", (12, 12).
@@ -142,16 +142,8 @@ class BeamElement:
             raise ValueError(f"mass form {mass_form!r}: expected consistent or lumped")
         x, w = gauss(self.length, MASS_POINTS)
         N = self.shape(x)
-        M = np.einsum(MASS, w, N, mass, N, optimize=_mass_path())
+        M = np.tensordot(w, np.swapaxes(N, 1, 2) @ mass @ N, 1)
         return np.asarray(0.5 * (M + M.T))
-
-
-@cache
-def _mass_path() -> list[Any]:
-    """Order of the products in MASS; the same for all elements, and slower to find than to use."""
-    N = np.empty((MASS_POINTS, 6, 12))
-    path: list[Any] = np.einsum_path(MASS, N[:, 0, 0], N, N[0, :, :6], N, optimize=True)[0]
-    return path
 
 
 _gauss_rule = cache(np.polynomial.legendre.leggauss)
