@@ -34,18 +34,19 @@ def catalogue(
     return things
 
 
-def listed(named: Iterable[tuple[str, Thing]], names: Iterable[str], what: str) -> dict[str, Thing]:
+def listed(things: Iterable[Thing], names: Iterable[str], what: str) -> dict[str, Thing]:
     """Return things by name in the order of a list kept elsewhere.
 
     Parameters
     ----------
-    named : name and thing of each file
+    things : those of the files, each with its `name`
     names : the list, in its order
     what : the word for such things in messages
 
     Raises ValueError : things and list differ.
     """
-    by_names, names = by_name(named, what), list(names)
+    by_names = by_name(((vars(thing)["name"], thing) for thing in things), what)
+    names = list(names)
     if set(by_names) != set(names):
         raise ValueError(
             f"{what}: the files supply {sorted(by_names)}, the list has {sorted(names)}"

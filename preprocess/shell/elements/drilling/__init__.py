@@ -5,9 +5,7 @@ from .....solver.package.shell import elements
 from .contract import Drilling
 
 DRILLINGS = listed(
-    [(drilling.name, drilling) for drilling in catalogue(__name__, __path__, Drilling)],
-    elements.DRILLINGS,
-    "drilling stiffnesses",
+    catalogue(__name__, __path__, Drilling), elements.DRILLINGS, "drilling stiffnesses"
 )
 
 __all__ = ["DRILLINGS", "Drilling"]

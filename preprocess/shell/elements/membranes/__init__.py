@@ -4,10 +4,6 @@ from .....solver.math.catalogue import catalogue, listed
 from .....solver.package.shell import elements
 from .contract import Membrane, MembraneStrains
 
-MEMBRANES = listed(
-    [(membrane.name, membrane) for membrane in catalogue(__name__, __path__, Membrane)],
-    elements.MEMBRANES,
-    "membranes",
-)
+MEMBRANES = listed(catalogue(__name__, __path__, Membrane), elements.MEMBRANES, "membranes")
 
 __all__ = ["MEMBRANES", "Membrane", "MembraneStrains"]

@@ -4,10 +4,6 @@ from .....solver.math.catalogue import catalogue, listed
 from .....solver.package.shell import elements
 from .contract import Plate, PlateStrains, shear_ratio
 
-PLATES = listed(
-    [(plate.name, plate) for plate in catalogue(__name__, __path__, Plate)],
-    elements.PLATES,
-    "plates",
-)
+PLATES = listed(catalogue(__name__, __path__, Plate), elements.PLATES, "plates")
 
 __all__ = ["PLATES", "Plate", "PlateStrains", "shear_ratio"]
