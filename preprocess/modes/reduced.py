@@ -37,6 +37,7 @@ from .reference import Condition, EigenSolver, ModeError, StaticShapes
 
 DEPENDENT = 1e-6  # energy norm of the new part of a shape, relative to that of the whole shape
 GRADED = 1e-6  # smaller inverse eigenvalues, relative to the largest, are computed in the next pass
+CARRIED = 1e-12  # of a load on dofs that move, relative to the whole load: round-off of links
 MASSLESS = 1e-14  # inverse eigenvalues below this, relative to the largest of all, are round-off
 
 
@@ -141,6 +142,8 @@ def static_modes(
         return StaticModes(np.zeros(0), empty, empty, np.zeros((len(kept.values), 0)), (), ())
     unit, count = np.eye(len(kept.values) + len(loads)), len(kept.values)
     x, a, load = (part[:, : len(loads)] for part in static)
+    moving = np.abs(load[condition.free]).max(axis=0) > CARRIED * np.abs(load).max(axis=0)
+    x = np.where(moving, x, 0.0)  # of a load that the frame carries there is round-off alone
     shapes = _Shapes(x, a, load, unit[:, count:])
     inertia = kept.columns_B * kept.values
     eigen = _Shapes(kept.columns_B, inertia, condition.M @ inertia, unit[:, :count])

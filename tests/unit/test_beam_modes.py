@@ -1,5 +1,6 @@
 """Choice, naming and uniqueness of modes, static ones too (with SciPy's dense eigensolver)."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -20,7 +21,7 @@ from plymotion.preprocess.beam.beam_reduction import coarse_mesh_warnings
 from plymotion.preprocess.beam.beam_stations import mass_stations
 from plymotion.preprocess.beam.line import section_axes
 from plymotion.preprocess.modes.eigenmodes import KINDS, ModeRequest
-from plymotion.preprocess.modes.reduced import Modes, reduced_modes
+from plymotion.preprocess.modes.reduced import Modes, StaticLoad, reduced_modes
 from plymotion.preprocess.modes.reference import EigenSolver, HeldDofs, ModeError
 from plymotion.solver.package.specification import DIRECTIONS
 
@@ -39,13 +40,14 @@ def modes_of(
     reference: int = 0,
     x2: tuple[float, float, float] = (0.0, 1.0, 0.0),
     solver: EigenSolver = dense,
+    loads: Sequence[StaticLoad] = (),
 ) -> Modes:
     x = np.linspace(0, 1.0, elements + 1)
     line = straight_line(x, K, mass, section_axes(np.array(x2)))
     return reduced_modes(
         HeldDofs(line.stiffness(), line.mass_matrix("consistent"), 6 * reference + np.arange(6)),
         [ModeRequest(*r) for r in requests],
-        [],
+        loads,
         lambda columns: mass_stations(line, columns, "consistent").participation(),
         np.argsort(-np.abs(x - x[reference]), kind="stable"),
         solver,
@@ -236,6 +238,19 @@ def test_dependent_static_modes_are_left_out_with_a_warning(
     assert warning["code"] == "static-modes-dependent"
     assert dropped in warning["message"]
     assert beam.package.n_mode <= 24
+
+
+def test_load_that_the_frame_carries_but_for_round_off_takes_no_mode() -> None:
+    """As rigid links of a solid leave it: its shape of round-off was taken, a true one was not."""
+    forces = np.eye(66)[[1, 63, 64, 65]]
+    forces[0, 60:] = 1e-18 * np.array([0.0, 1.0, -2.0, 3.0, 1.0, 2.0])
+    labels = ("held y", "tip rx", "tip ry", "tip rz")
+    rest = np.zeros(66)
+    loads = [StaticLoad(a, force, rest) for a, force in zip(labels, forces, strict=True)]
+    modes, expected = (modes_of([("lowest", 3)], loads=some) for some in (loads, loads[1:]))
+    assert set(modes.labels[3:]) == set(labels[1:])
+    assert modes.values == pytest.approx(expected.values, rel=1e-9)
+    assert modes.warnings[0]["message"].startswith("no mode for held y:")
 
 
 def test_static_shapes_that_move_no_mass_are_left_out() -> None:
