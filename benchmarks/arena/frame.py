@@ -110,13 +110,13 @@ def environment(runner: Runner, install: bool) -> Runner:
         if install and not mark.exists():
             venv.create(folder, with_pip=True, clear=True)
             pip = [str(python), "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
-            done = subprocess.run(
-                [*pip, *wanted["pip"]], capture_output=True, text=True, check=False
-            )
-            if done.returncode:
-                runner.absent = f"pip failed: {done.stderr.strip()[-200:]}"
-                return runner
-            name = wanted["pip"][0].split("==")[0]
+            alone = wanted.get("alone", [])  # without what it asks for
+            for asked in filter(None, (wanted["pip"], alone and ["--no-deps", *alone])):
+                done = subprocess.run([*pip, *asked], capture_output=True, text=True, check=False)
+                if done.returncode:
+                    runner.absent = f"pip failed: {done.stderr.strip()[-200:]}"
+                    return runner
+            name = [*alone, *wanted["pip"]][0].split("==")[0]
             ask = f"import importlib.metadata as m; print(m.version({name!r}))"
             told = subprocess.run(
                 [str(python), "-c", ask], capture_output=True, text=True, check=True

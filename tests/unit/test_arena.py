@@ -10,6 +10,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 ARENA = ROOT / "benchmarks/arena"
+OURS = {"segments": [2], "rtols": [1e-6], "cells": [8]}
 CODE = """
 import os
 
@@ -101,3 +102,24 @@ def test_a_wrong_key_is_named(tmp_path: Path, old: str, new: str, told: str) -> 
     finally:
         sys.path.remove(str(ARENA))
     assert told in str(error.value)
+
+
+def test_every_code_is_listed_or_says_why_not(monkeypatch: pytest.MonkeyPatch) -> None:
+    """All runners; each has settings for a scene of its own, and a reason for one of another."""
+    monkeypatch.syspath_prepend(str(ARENA))
+    import frame
+
+    scenes = {
+        "beam": {"kind": "mechanism", "beam": {"static": True}, "joints": [], "times": [0.1]},
+        "shell": {"kind": "shell", "file": str(ROOT / "cases/shells/scordelis-lo.toml")},
+    }
+    able = {name: set[str]() for name in scenes}
+    for runner in frame.runners(False):
+        assert runner.version or runner.absent
+        for name, sheet in scenes.items():
+            why = runner.module.cannot(sheet)
+            if not why:
+                assert all("method" in s for s in runner.module.settings(sheet | {"ours": OURS}))
+                able[name].add(runner.name)
+    assert able["beam"] == {"Exudyn", "Plymotion", "SHARPy"}
+    assert able["shell"] == {"CalculiX", "MYSTRAN", "Plymotion"}

@@ -3,7 +3,8 @@
 A runner is one file with
 
 NAME : of the code
-ENVIRONMENT : {"pip": [requirements]}, {"program": name, "how": the command that installs it}
+ENVIRONMENT : {"pip": [requirements]}, with "alone": those installed without what they ask for;
+    {"program": name, "how": the command that installs it}
 FIXED : optional, methods that take fixed steps, for the map of stability
 cannot(sheet) : why it cannot do a scene, "" if it can
 settings(sheet) : a ladder of settings, each a dict with "method"
