@@ -6,8 +6,8 @@ rows. A singular matrix so falls below REGULAR on every processor, whatever the 
 rounding, and a usable one lies far above it.
 """
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,12 +16,34 @@ Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 Triple = tuple[float, float, float]
 
+Memory = TypeVar("Memory")
+
 REGULAR = 1e-13  # smallest eigenvalue of a definite matrix of unit diagonal
 
 
 def distinct(*arrays: Any) -> Any:
     """Return the numbers that differ, sorted. `np.unique` alone would import numpy.ma: 10 ms."""
     return np.unique(np.concatenate(arrays, axis=None), return_index=True)[0]
+
+
+def zeros_of(
+    kind: Callable[..., Memory], sizes: Mapping[str, int], one: Any = 1.0, **given: Any
+) -> Memory:
+    """Return a NamedTuple whose arrays are zeros, in the shapes with which it annotates them.
+
+    Parameters
+    ----------
+    kind : with fields such as `load: Annotated[Array, "nb, 6"]`
+    sizes : numbers by the symbols of the shapes
+    one : 1.0 or 1.0 + 0.0j: real or complex numbers
+    given : all other fields
+    """
+    for name, hint in kind.__annotations__.items():
+        if name not in given:
+            symbols = hint.__metadata__[0].split(", ")
+            shape = [int(each) if each.isdigit() else sizes[each] for each in symbols]
+            given[name] = np.zeros(shape, int if hint.__origin__ == IntArray else type(one))
+    return kind(**given)
 
 
 def to_unit_diagonal(matrix: Array, size: Array | None = None) -> Array:

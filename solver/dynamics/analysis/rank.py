@@ -18,11 +18,11 @@ whole does.
 """
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from ...math.arrays import Array, IntArray
+from ...math.arrays import Array, IntArray, zeros_of
 from ...math.compiled import inlined, lean, structure
 from ..elements.constraints.minimum_norm import RANK_TOLERANCE
 from ..elements.constraints.treatment import row_masses, scaled_jacobian
@@ -44,19 +44,19 @@ class Independence(NamedTuple):
 
     order: RowOrder  # of all constraint rows
     kept: IntArray  # (n_c,) 1: one of the independent rows
-    C: Array  # (nb, r, n) of each body at the last state
-    C_now: Array  # and at this one
-    parts: Array  # (2, nb, r, n) at ends of a part of a step
-    t: Array  # (1,) of the last state [s]
-    y: Array  # (n,)
-    rate: Array  # (n,) of its positions
-    rate_now: Array  # (n,)
-    inside: Array  # (n,) a state within the step
-    length: Array  # (n_c,) of the rows before they are scaled
+    C: Annotated[Array, "nb, r, widest"]  # of each body at the last state
+    C_now: Annotated[Array, "nb, r, widest"]  # and at this one
+    parts: Annotated[Array, "2, nb, r, widest"]  # at ends of a part of a step
+    t: Annotated[Array, "1"]  # of the last state [s]
+    y: Annotated[Array, "n"]
+    rate: Annotated[Array, "n"]  # of its positions
+    rate_now: Annotated[Array, "n"]
+    inside: Annotated[Array, "n"]  # a state within the step
+    length: Annotated[Array, "n_c"]  # of the rows before they are scaled
     root: Array  # (n_vel,) 1 / sqrt(inertia_scale)
-    H: Array  # profile
-    diagonal: Array  # (n_c,) by place
-    pivot: Array  # (n_c,)
+    H: Annotated[Array, "profile"]
+    diagonal: Annotated[Array, "n_c"]  # by place
+    pivot: Annotated[Array, "n_c"]
 
 
 def new_independence(model: Model) -> Independence:
@@ -69,24 +69,11 @@ def new_independence(model: Model) -> Independence:
     bodies = _bodies(model, at_body)
     every = np.ones(len(bodies), dtype=bool)
     order = row_order(bodies, model.joint_row, every, len(bodies), at_body)
-    blocks = (model.n_body, order.most_rows, layout.widest)
-    return Independence(
-        order,
-        np.ones(n_c, dtype=np.int64),
-        np.zeros(blocks),
-        np.zeros(blocks),
-        np.zeros((2, *blocks)),
-        np.zeros(1),
-        np.zeros(n),
-        np.zeros(n),
-        np.zeros(n),
-        np.zeros(n),
-        np.zeros(n_c),
-        1.0 / np.sqrt(model.inertia_scale),
-        np.zeros(int(order.profile_start[n_c])),
-        np.zeros(n_c),
-        np.zeros(n_c),
-    )
+    profile = int(order.profile_start[n_c])
+    sizes = {"nb": model.n_body, "r": order.most_rows, "n_c": n_c, "profile": profile}
+    root = 1.0 / np.sqrt(model.inertia_scale)
+    given = {"order": order, "kept": np.ones(n_c, dtype=np.int64), "root": root}
+    return zeros_of(Independence, sizes | {"n": n, "widest": layout.widest}, **given)
 
 
 def _bodies(model: Model, at_body: Sequence[Sequence[int]]) -> IntArray:

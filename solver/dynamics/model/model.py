@@ -14,12 +14,12 @@ State: y = [positions | velocities | auxiliary states | work]
 `Workspace` is the memory of one evaluation: allocated once, filled every time.
 """
 
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...math.arrays import Array
+from ...math.arrays import Array, zeros_of
 from ...math.compiled import lean, structure
 from ...math.expressions.operations import Programs
 from .layout import Layout, RowOrder
@@ -217,61 +217,63 @@ N_ROW = 15
 class Factors(NamedTuple):
     """Bodies eliminated from [K Phi_q'; Phi_q 0], K of one block per body (elimination.py)."""
 
-    L: Array  # (nb, n, n) unit lower triangles of each body's block
-    pivot: Array  # (nb, n) reciprocals of the diagonal
-    W: Array  # (nb, n, r) L^-T Phi_q'
-    P: Array  # (nb, 7, 6) factors of the rows that drive a frame, and the order of these
-    S: Array  # profile of Phi_q K^-1 Phi_q', then its unit lower triangle
-    S_pivot: Array  # (n_p,) reciprocals of its diagonal
+    L: Annotated[Array, "nb, n, n"]  # unit lower triangles of each body's block
+    pivot: Annotated[Array, "nb, n"]  # reciprocals of the diagonal
+    W: Annotated[Array, "nb, n, r"]  # L^-T Phi_q'
+    P: Annotated[Array, "nb, 7, 6"]  # factors of the rows that drive a frame, and their order
+    S: Annotated[Array, "profile"]  # of Phi_q K^-1 Phi_q', then its unit lower triangle
+    S_pivot: Annotated[Array, "n_p"]  # reciprocals of its diagonal
     regular: Array  # (1,) least pivot over its diagonal entry before elimination
-    z: Array  # (nb, n)
-    mu: Array  # (n_p,) in the order of elimination
+    z: Annotated[Array, "nb, n"]
+    mu: Annotated[Array, "n_p"]  # in the order of elimination
 
 
 @structure
 class Workspace(NamedTuple):
     """Arrays that an evaluation fills; arrays of bodies have the size of the largest body."""
 
-    A: Array  # (nb, 3, 3) rotation matrices A_GB
-    M: Array  # (nb, n, n) mass matrices, lower triangles
-    f: Array  # (nb, n) loads, quadratic velocity terms, elastic and damping forces
-    J: Array  # (nb, n, r) Jacobian of the rows of layout.mass at each body, transposed
-    power: Array  # (2,) of dampers, actuators and loads [W]; energy in force elements [J]
-    rows: Array  # (n_c, N_ROW) of the constraints, laid out as above
+    A: Annotated[Array, "nb, 3, 3"]  # rotation matrices A_GB
+    M: Annotated[Array, "nb, n, n"]  # mass matrices, lower triangles
+    f: Annotated[Array, "nb, n"]  # loads, quadratic velocity terms, elastic and damping forces
+    J: Annotated[Array, "nb, n, r"]  # Jacobian of the rows of layout.mass at each body, transposed
+    # of dampers, actuators and loads [W]; energy in force elements [J]
+    power: Annotated[Array, "2"]
+    rows: Annotated[Array, "n_c, row"]  # of the constraints, laid out as above
     # markers (nk)
-    motion: Array  # (nk, 24) (dynamics/model/motion.py)
-    J_m: Array  # (nk, 6, n) Jacobians of velocity and angular velocity
+    motion: Annotated[Array, "nk, motion"]  # (dynamics/model/motion.py)
+    J_m: Annotated[Array, "nk, 6, n"]  # Jacobians of velocity and angular velocity
     # of one body at a time
-    D: Array  # (9, m)
-    R: Array  # (9, m)
-    B: Array  # (3, 3)
-    P: Array  # (3, 3)
+    D: Annotated[Array, "9, m"]
+    R: Annotated[Array, "9, m"]
+    B: Annotated[Array, "3, 3"]
+    P: Annotated[Array, "3, 3"]
     # solution
     factors: Factors  # of the mass matrix
-    load: Array  # (nb, n) right-hand side
-    acceleration: Array  # (nb, n)
-    gamma: Array  # (n_c,) right-hand side of the constraint rows
-    multipliers: Array  # (n_c,)
-    left: Array  # (n_c,) residual of the constraint rows after a solution
-    softness: Array  # (n_r,) of the rows of layout.mass: reciprocals of the penalties in use
-    change: Array  # (nb, n) of accelerations and multipliers, where these are iterated
-    change_multipliers: Array  # (n_c,)
+    load: Annotated[Array, "nb, n"]  # right-hand side
+    acceleration: Annotated[Array, "nb, n"]
+    gamma: Annotated[Array, "n_c"]  # right-hand side of the constraint rows
+    multipliers: Annotated[Array, "n_c"]
+    left: Annotated[Array, "n_c"]  # residual of the constraint rows after a solution
+    softness: Annotated[Array, "n_p"]  # of the rows of layout.mass: reciprocals of penalties in use
+    change: Annotated[Array, "nb, n"]  # of accelerations and multipliers, where these are iterated
+    change_multipliers: Annotated[Array, "n_c"]
     # of one body at a time
-    C: Array  # (3, m) slope of the first moment of mass by the modes
-    first: Array  # (3, 3) first moment of mass, its rate, its second rate at steady modal rates
-    twist: Array  # (3,) rate of the moment of momentum in the body at steady modal rates
+    C: Annotated[Array, "3, m"]  # slope of the first moment of mass by the modes
+    # first moment of mass, its rate, its second rate at steady modal rates
+    first: Annotated[Array, "3, 3"]
+    twist: Annotated[Array, "3"]  # rate of the moment of momentum in the body at steady modal rates
     # of one force element at a time
-    element: Array  # (MOST_ROWS, N_ELEMENT_ROW) all rows that its kind can have
-    element_used: Array  # the same of those that it has
+    element: Annotated[Array, "e, element"]  # all rows that its kind can have
+    element_used: Annotated[Array, "e, element"]  # the same of those that it has
     # what expressions read, and what they give
-    quantity: (
-        Array  # (2 nm + na + nr,) values and rates of coordinates, auxiliary states, reactions
-    )
-    g: Array  # (nm, 12) rows of the coordinates
-    size: Array  # (nf, 3) of force elements, and derivatives by their coordinate and its rate
-    unsettled: Array  # (nf + 1, 2) of forces that read reactions (evaluation.py)
-    wind: Array  # (3,) at the reference height of a rotor, global [m/s]
-    flow: Array  # (ns, N_FLOW) of the sections of a rotor
+    # values and rates of coordinates (2 nm), auxiliary states (na), reactions (nr)
+    quantity: Annotated[Array, "read"]
+    g: Annotated[Array, "nm, 12"]  # rows of the coordinates
+    # of force elements, and derivatives by their coordinate and its rate
+    size: Annotated[Array, "nf, 3"]
+    unsettled: Annotated[Array, "nf + 1, 2"]  # of forces that read reactions (evaluation.py)
+    wind: Annotated[Array, "3"]  # at the reference height of a rotor, global [m/s]
+    flow: Annotated[Array, "ns, flow"]  # of the sections of a rotor
 
 
 def new_factors(model: Model, order: RowOrder, one: Any) -> Factors:
@@ -285,17 +287,9 @@ def new_factors(model: Model, order: RowOrder, one: Any) -> Factors:
     """
     nb, n, r = model.n_body, model.layout.widest, order.most_rows
     n_p = order.first.shape[0]
-    return Factors(
-        np.zeros((nb, n, n)) * one,
-        np.zeros((nb, n)) * one,
-        np.zeros((nb, n, r)) * one,
-        np.zeros((nb, 7, 6)) * one,
-        np.zeros(order.profile_start[n_p]) * one,
-        np.zeros(n_p) * one,
-        np.ones(1),
-        np.zeros((nb, n)) * one,
-        np.zeros(n_p) * one,
-    )
+    profile = int(order.profile_start[n_p])
+    sizes = {"nb": nb, "n": n, "r": r, "n_p": n_p, "profile": profile}
+    return zeros_of(Factors, sizes, one, regular=np.ones(1))
 
 
 def new_workspace(model: Model) -> Workspace:
@@ -306,44 +300,13 @@ def new_workspace(model: Model) -> Workspace:
     layout = model.layout
     nb, n, r, m = model.n_body, layout.widest, layout.mass.most_rows, layout.most_modes
     n_c, nk = model.n_constraint, model.marker_body.shape[0]
-    work = Workspace(
-        np.zeros((nb, 3, 3)),
-        np.zeros((nb, n, n)),
-        np.zeros((nb, n)),
-        np.zeros((nb, n, r)),
-        np.zeros(2),
-        np.zeros((n_c, N_ROW)),
-        np.zeros((nk, N_MOTION)),
-        np.zeros((nk, 6, n)),
-        np.zeros((9, m)),
-        np.zeros((9, m)),
-        np.zeros((3, 3)),
-        np.zeros((3, 3)),
-        new_factors(model, layout.mass, 1.0),
-        np.zeros((nb, n)),
-        np.zeros((nb, n)),
-        np.zeros(n_c),
-        np.zeros(n_c),
-        np.zeros(n_c),
-        np.zeros(layout.mass.place.shape[0]),
-        np.zeros((nb, n)),
-        np.zeros(n_c),
-        np.zeros((3, m)),
-        np.zeros((3, 3)),
-        np.zeros(3),
-        np.zeros((layout.most_element_rows, N_ELEMENT_ROW)),
-        np.zeros((layout.most_element_rows, N_ELEMENT_ROW)),
-        np.zeros(
-            2 * model.quantities.kind.shape[0]
-            + model.n_aux
-            + model.quantities.reaction_kind.shape[0]
-        ),
-        np.zeros((model.quantities.kind.shape[0], 12)),
-        np.zeros((model.force_kind.shape[0], 3)),
-        np.zeros((model.force_kind.shape[0] + 1, 2)),
-        np.zeros(3),
-        np.zeros((model.rotor.polar.shape[0], N_FLOW)),
-    )
+    quantities, nf, e = model.quantities, model.force_kind.shape[0], layout.most_element_rows
+    nm, nr = quantities.kind.shape[0], quantities.reaction_kind.shape[0]
+    sizes = {"nb": nb, "n": n, "r": r, "m": m, "n_c": n_c, "nk": nk, "nf": nf, "nf + 1": nf + 1}
+    sizes |= {"e": e, "nm": nm, "read": 2 * nm + model.n_aux + nr, "row": N_ROW}
+    sizes |= {"n_p": layout.mass.place.shape[0], "ns": model.rotor.polar.shape[0]}
+    sizes |= {"motion": N_MOTION, "element": N_ELEMENT_ROW, "flow": N_FLOW}
+    work = zeros_of(Workspace, sizes, factors=new_factors(model, layout.mass, 1.0))
     for k in range(nk):
         if model.marker_body[k] < 0:
             stand(work.motion[k], model.marker_x[k], model.marker_A[k])

@@ -1,6 +1,6 @@
 """Generalized-alpha: coefficients, memory, and parts of a step (prediction, error, end)."""
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from ...dynamics.evaluation.evaluation import evaluate
 from ...dynamics.model.coordinates import move, rates_into
 from ...dynamics.model.model import PHI_T, Model, Workspace, new_workspace
 from ...errors import did_you_mean
-from ...math.arrays import Array, IntArray
+from ...math.arrays import Array, IntArray, zeros_of
 from ...math.compiled import inlined, lean, structure
 from .pencil import Frozen, Pencil, fed_back, new_frozen, new_pencil
 from .residual import inertia_residual, start_forces
@@ -114,28 +114,30 @@ class AlphaWorkspace(NamedTuple):
     frozen: Frozen
     real: Pencil
     y: Array  # (n,) state
-    rate: Array  # (n,) its rate
+    rate: Annotated[Array, "n"]  # its rate
     y_old: Array  # (n,) at the beginning of the last step
-    rate_old: Array  # (n,)
-    a: Array  # (n_vel,) the algorithm's acceleration, which runs behind
-    multipliers: Array  # (n_r,) by row of layout.newton: of constraints, and forces of elements
-    v_dd: Array  # (n_vel,) rate of the acceleration over the last step
+    rate_old: Annotated[Array, "n"]
+    a: Annotated[Array, "n_vel"]  # the algorithm's acceleration, which runs behind
+    # by row of layout.newton: of constraints, and forces of elements
+    multipliers: Annotated[Array, "n_r"]
+    v_dd: Annotated[Array, "n_vel"]  # rate of the acceleration over the last step
     # the end of the step, under Newton's iteration
-    stage: Array  # (n,)
-    stage_rate: Array  # (n,)
-    stage_a: Array  # (n_vel,)
-    stage_multipliers: Array  # (n_r,)
-    z: Array  # (n_vel,) step
-    shift: Array  # (n_vel,) by the position multiplier
-    step: Array  # (n_vel,) one correction, or an error
-    change: Array  # (n_vel,)
-    both: Array  # (n,) the same in the coordinates of y
-    weight: Array  # (n,)
-    zero: Array  # (nb, n)
-    no_load: Array  # (n_c,)
-    clock: Array  # (N_CLOCK,)
-    counts: IntArray  # (N_COUNT,) see step_control.py
-    apart: IntArray  # (N_COUNT,) of what is no part of a step: joints closed at output times
+    stage: Annotated[Array, "n"]
+    stage_rate: Annotated[Array, "n"]
+    stage_a: Annotated[Array, "n_vel"]
+    stage_multipliers: Annotated[Array, "n_r"]
+    z: Annotated[Array, "n_vel"]  # step
+    shift: Annotated[Array, "n_vel"]  # by the position multiplier
+    step: Annotated[Array, "n_vel"]  # one correction, or an error
+    change: Annotated[Array, "n_vel"]
+    both: Annotated[Array, "n"]  # the same in the coordinates of y
+    weight: Annotated[Array, "n"]
+    zero: Annotated[Array, "nb, widest"]
+    no_load: Annotated[Array, "n_c"]
+    clock: Annotated[Array, "clock"]
+    counts: Annotated[IntArray, "count"]  # see step_control.py
+    # of what is no part of a step: joints closed at output times
+    apart: Annotated[IntArray, "count"]
 
 
 def new_alpha_workspace(model: Model, t: float, y: Array, first_step: float) -> AlphaWorkspace:
@@ -150,32 +152,16 @@ def new_alpha_workspace(model: Model, t: float, y: Array, first_step: float) -> 
     """
     n, n_c, n_vel = y.shape[0], model.n_constraint, model.n_vel
     n_r = model.layout.newton.place.shape[0]
-    workspace = AlphaWorkspace(
-        new_workspace(model),
-        new_frozen(model),
-        new_pencil(model, 1.0),
-        y.copy(),
-        np.zeros(n),
-        y.copy(),
-        np.zeros(n),
-        np.zeros(n_vel),
-        np.zeros(n_r),
-        np.zeros(n_vel),
-        np.zeros(n),
-        np.zeros(n),
-        np.zeros(n_vel),
-        np.zeros(n_r),
-        np.zeros(n_vel),
-        np.zeros(n_vel),
-        np.zeros(n_vel),
-        np.zeros(n_vel),
-        np.zeros(n),
-        np.zeros(n),
-        np.zeros((model.n_body, model.layout.widest)),
-        np.zeros(n_c),
-        np.zeros(N_CLOCK),
-        np.zeros(N_COUNT, dtype=np.int64),
-        np.zeros(N_COUNT, dtype=np.int64),
+    sizes = {"n": n, "n_c": n_c, "n_vel": n_vel, "n_r": n_r, "nb": model.n_body}
+    sizes |= {"widest": model.layout.widest, "clock": N_CLOCK, "count": N_COUNT}
+    workspace = zeros_of(
+        AlphaWorkspace,
+        sizes,
+        work=new_workspace(model),
+        frozen=new_frozen(model),
+        real=new_pencil(model, 1.0),
+        y=y.copy(),
+        y_old=y.copy(),
     )
     workspace.clock[TIME], workspace.clock[NEXT] = t, first_step
     workspace.clock[SINCE], workspace.clock[OTHER] = t, np.inf

@@ -1,13 +1,13 @@
 """Explicit Runge-Kutta methods: memory, stages, and the step loop for mechanisms."""
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
 from ...dynamics.analysis.projection import project
 from ...dynamics.evaluation.accelerations import derivative_into, sample_into
 from ...dynamics.model.model import Model, Workspace
-from ...math.arrays import Array, IntArray
+from ...math.arrays import Array, IntArray, zeros_of
 from ...math.compiled import inlined, lean, structure
 from ..generic.dormand_prince import Tableau
 from .step_control import (
@@ -57,19 +57,19 @@ REFUSED_LAST, TIME_OLD, SUSPECT, CLEAR, STIFF_TIME, STIFF_STEP, LARGEST = 4, 5, 
 class ExplicitWorkspace(NamedTuple):
     """Memory of a run, which a call takes up where the last one left it."""
 
-    K: Array  # (s + 1 + e, n) derivatives at the stages, the new state, the extra stages
+    K: Annotated[Array, "stages, n"]  # derivatives at the stages, the new state, the extra stages
     y: Array  # (n,) state
     f: Array  # (n,) its rate
     y_old: Array  # (n,) state at the beginning of the last step
-    F: Array  # (d + 3 or d, n) polynomial of the last step
-    y_new: Array  # (n,)
-    point: Array  # (n,) the last stage's state
-    error: Array  # (n,)
-    weight: Array  # (n,)
-    step: Array  # (n_vel,) of the projection; (0,) without a model
-    before: Array  # (n_pos,)
-    clock: Array  # (N_CLOCK,)
-    counts: IntArray  # (N_COUNT,)
+    F: Annotated[Array, "powers, n"]  # polynomial of the last step
+    y_new: Annotated[Array, "n"]
+    point: Annotated[Array, "n"]  # the last stage's state
+    error: Annotated[Array, "n"]
+    weight: Annotated[Array, "n"]
+    step: Annotated[Array, "n_vel"]  # of the projection; (0,) without a model
+    before: Annotated[Array, "n_pos"]
+    clock: Annotated[Array, "clock"]
+    counts: Annotated[IntArray, "count"]
 
 
 def new_explicit_workspace(
@@ -86,21 +86,11 @@ def new_explicit_workspace(
     sizes : n_vel and n_pos of a mechanism
     """
     n, d = y.shape[0], tableau.D.shape[0]
-    workspace = ExplicitWorkspace(
-        np.zeros((tableau.D.shape[1], n)),
-        y.copy(),
-        rate.copy(),
-        y.copy(),
-        np.zeros((d if tableau.first_same_as_last else d + 3, n)),
-        np.zeros(n),
-        np.zeros(n),
-        np.zeros(n),
-        np.zeros(n),
-        np.zeros(sizes[0]),
-        np.zeros(sizes[1]),
-        np.zeros(N_CLOCK),
-        np.zeros(N_COUNT, dtype=np.int64),
-    )
+    powers = d if tableau.first_same_as_last else d + 3
+    memory = {"n": n, "stages": tableau.D.shape[1], "powers": powers}
+    memory |= {"n_vel": sizes[0], "n_pos": sizes[1], "clock": N_CLOCK, "count": N_COUNT}
+    given = {"y": y.copy(), "f": rate.copy(), "y_old": y.copy()}
+    workspace = zeros_of(ExplicitWorkspace, memory, **given)
     workspace.clock[TIME], workspace.clock[ERROR_LAST], workspace.clock[LARGEST] = t, 1e-4, 1e300
     return workspace
 

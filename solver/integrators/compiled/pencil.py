@@ -23,9 +23,7 @@ of the law of the element (elements.py): an element as stiff as a constraint is 
 to it.
 """
 
-from typing import Any, NamedTuple
-
-import numpy as np
+from typing import Annotated, Any, NamedTuple
 
 from ...dynamics.evaluation.accelerations import add_inertia, soften
 from ...dynamics.evaluation.elimination import REGULAR, factorise, rows_depend, solve
@@ -37,7 +35,7 @@ from ...dynamics.model.model import (
     place_added_rows,
     state_size,
 )
-from ...math.arrays import Array
+from ...math.arrays import Array, zeros_of
 from ...math.compiled import inlined, lean, structure
 from ...math.rotations import along_parameters
 from .feedback import (
@@ -65,14 +63,15 @@ class Pencil(NamedTuple):
     """Factors for one s, and a right-hand side with its answer."""
 
     factors: Factors
-    load: Array  # (nb, n) R
-    gamma: Array  # (n_r,) c of constraints and e of force elements; afterwards 0 beyond constraints
-    r: Array  # (n,) r_q and r_z
-    rho: Array  # (nb, n)
-    x: Array  # (nb, n)
-    delta: Array  # (n,) answer in the coordinates of y
-    mu: Array  # (n_r,)
-    softness: Array  # (n_r,) of the rows of layout.newton
+    load: Annotated[Array, "nb, widest"]  # R
+    # c of constraints and e of force elements; afterwards 0 beyond constraints
+    gamma: Annotated[Array, "n_r"]
+    r: Annotated[Array, "n"]  # r_q and r_z
+    rho: Annotated[Array, "nb, widest"]
+    x: Annotated[Array, "nb, widest"]
+    delta: Annotated[Array, "n"]  # answer in the coordinates of y
+    mu: Annotated[Array, "n_r"]
+    softness: Annotated[Array, "n_r"]  # of the rows of layout.newton
     answers: Answers  # to forces that read other coordinates (feedback.py)
 
 
@@ -80,52 +79,36 @@ class Pencil(NamedTuple):
 class Frozen(NamedTuple):
     """Mass matrix, Jacobian, stiffness of elements and Euler parameters at one place of a step."""
 
-    M: Array  # (nb, n, n) lower triangles
-    J: Array  # (nb, n, r) of the rows of layout.newton
-    softness: Array  # (n_c,) of constraints
-    p: Array  # (nb, 4)
-    stiffness: Array  # (n_e,) of the rows of force elements [N/m, N m/rad]
-    damping: Array  # (n_e,) [N s/m, N m s/rad]
-    auxiliary: Array  # (na,) derivatives of the rates of auxiliary states by themselves [1/s]
-    coupled: Array  # (n, 3) of forces with states of their own (coupled_states.py)
+    M: Annotated[Array, "nb, n, n"]  # lower triangles
+    J: Annotated[Array, "nb, n, r"]  # of the rows of layout.newton
+    softness: Annotated[Array, "n_c"]  # of constraints
+    p: Annotated[Array, "nb, 4"]
+    stiffness: Annotated[Array, "n_e"]  # of the rows of force elements [N/m, N m/rad]
+    damping: Annotated[Array, "n_e"]  # [N s/m, N m s/rad]
+    # derivatives of the rates of auxiliary states by themselves [1/s]
+    auxiliary: Annotated[Array, "na"]
+    coupled: Annotated[Array, "nz, 3"]  # of forces with states of their own (feedback.py)
     feedback: Feedback
-    tension: Array  # (nb, n, n) of rotations and modes, lower triangles; 0: not in use (tension.py)
+    # of rotations and modes, lower triangles; 0: not in use (tension.py)
+    tension: Annotated[Array, "nb, n, n"]
 
 
 def new_pencil(model: Model, one: Any) -> Pencil:
     """Return memory of the type of `one`."""
     nb, n, n_r = model.n_body, model.layout.widest, model.layout.newton.place.shape[0]
     n_y = state_size(model)
-    return Pencil(
-        new_factors(model, model.layout.newton, one),
-        np.zeros((nb, n)) * one,
-        np.zeros(n_r) * one,
-        np.zeros(n_y) * one,
-        np.zeros((nb, n)) * one,
-        np.zeros((nb, n)) * one,
-        np.zeros(n_y) * one,
-        np.zeros(n_r) * one,
-        np.zeros(n_r) * one,
-        new_answers(model, one),
-    )
+    sizes = {"nb": nb, "widest": n, "n_r": n_r, "n": n_y}
+    factors, answers = new_factors(model, model.layout.newton, one), new_answers(model, one)
+    return zeros_of(Pencil, sizes, one, factors=factors, answers=answers)
 
 
 def new_frozen(model: Model) -> Frozen:
     """Return memory; the rows of added inertia are filled once for all."""
     layout = model.layout
     nb, n, n_e = model.n_body, layout.widest, layout.element_row.shape[0]
-    frozen = Frozen(
-        np.zeros((nb, n, n)),
-        np.zeros((nb, n, layout.newton.most_rows)),
-        np.zeros(model.n_constraint),
-        np.zeros((nb, 4)),
-        np.zeros(n_e),
-        np.zeros(n_e),
-        np.zeros(model.n_aux),
-        np.zeros((model.quantities.coupled_force.shape[0], 3)),
-        new_feedback(model),
-        np.zeros((nb, n, n)),
-    )
+    sizes = {"nb": nb, "n": n, "n_e": n_e, "r": layout.newton.most_rows, "na": model.n_aux}
+    sizes |= {"n_c": model.n_constraint, "nz": model.quantities.coupled_force.shape[0]}
+    frozen = zeros_of(Frozen, sizes, feedback=new_feedback(model))
     place_added_rows(model, frozen.J)
     return frozen
 

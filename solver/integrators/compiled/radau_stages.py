@@ -12,7 +12,7 @@ with the softness e of the matrices and the predicted multipliers lambda_p. The 
 the rows without e: where rows are independent, lambda_p is right up to the error of a prediction.
 """
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from ...dynamics.evaluation.accelerations import derivative_into, sample_into
 from ...dynamics.evaluation.elimination import solve
 from ...dynamics.model.coordinates import rates_into
 from ...dynamics.model.model import Model, Workspace, new_workspace
-from ...math.arrays import Array, IntArray
+from ...math.arrays import Array, IntArray, zeros_of
 from ...math.compiled import inlined, lean, structure
 from .cutoff import Cutoff, new_cutoff
 from .pencil import Frozen, Pencil, factorise_feedback, factorise_pencil, new_frozen, new_pencil
@@ -80,29 +80,31 @@ class RadauWorkspace(NamedTuple):
     real: Pencil
     pair: Pencil
     y: Array  # (n,) state
-    f: Array  # (n,) its rate
-    jump: Array  # (n,) of accelerations at the last restart, of positions G times it; 0: forgotten
+    f: Annotated[Array, "n"]  # its rate
+    # of accelerations at the last restart, of positions G times it; 0: forgotten
+    jump: Annotated[Array, "n"]
     y_old: Array  # (n,) state at the beginning of the last step
-    Q: Array  # (3, n) polynomial of the last step
-    Z: Array  # (3, n) changes at the stages
-    multipliers: Array  # (3, n_r) at the stages, by row of layout.newton
-    multipliers_old: Array  # (3, n_r) at those of the last step
-    predicted: Array  # (3, n_r) at the stages, before the iteration
-    power: Array  # (3,) at the stages [W]
-    driven: Array  # (3, n_c) rates of the constraints by time at the stages
-    load: Array  # (3, nb, n) residuals of the stages: forces,
-    gamma: Array  # (3, n_r) constraints and laws of elements
-    r: Array  # (3, n) and kinematics
-    stage: Array  # (n,)
-    rate: Array  # (n,) at a stage
-    weight: Array  # (n,)
+    Q: Annotated[Array, "3, n"]  # polynomial of the last step
+    Z: Annotated[Array, "3, n"]  # changes at the stages
+    multipliers: Annotated[Array, "3, n_r"]  # at the stages, by row of layout.newton
+    multipliers_old: Annotated[Array, "3, n_r"]  # at those of the last step
+    predicted: Annotated[Array, "3, n_r"]  # at the stages, before the iteration
+    power: Annotated[Array, "3"]  # at the stages [W]
+    driven: Annotated[Array, "3, n_c"]  # rates of the constraints by time at the stages
+    load: Annotated[Array, "3, nb, widest"]  # residuals of the stages: forces,
+    gamma: Annotated[Array, "3, n_r"]  # constraints and laws of elements
+    r: Annotated[Array, "3, n"]  # and kinematics
+    stage: Annotated[Array, "n"]
+    rate: Annotated[Array, "n"]  # at a stage
+    weight: Annotated[Array, "n"]
     cutoff: Cutoff
     least: Array  # (n_e,) stiffness that elements have had [N/m, N m/rad]
-    damped: Array  # (1,) energy lost above the cutoff [J]
-    clock: Array  # (N_CLOCK,)
-    counts: IntArray  # (N_COUNT,)
-    blamed: IntArray  # (n,) refusals that each component was the reason of
-    apart: IntArray  # (N_COUNT,) of what is no part of a step: joints closed at output times
+    damped: Annotated[Array, "1"]  # energy lost above the cutoff [J]
+    clock: Annotated[Array, "clock"]
+    counts: Annotated[IntArray, "count"]
+    blamed: Annotated[IntArray, "n"]  # refusals that each component was the reason of
+    # of what is no part of a step: joints closed at output times
+    apart: Annotated[IntArray, "count"]
 
 
 def new_radau_workspace(model: Model, t: float, y: Array, first_step: float) -> RadauWorkspace:
@@ -118,35 +120,18 @@ def new_radau_workspace(model: Model, t: float, y: Array, first_step: float) -> 
     n, nb, widest = y.shape[0], model.n_body, model.layout.widest
     n_r = model.layout.newton.place.shape[0]
     frozen, least = new_frozen(model), np.full(model.layout.element_row.shape[0], np.inf)
-    workspace = RadauWorkspace(
-        new_workspace(model),
-        frozen,
-        new_pencil(model, 1.0),
-        new_pencil(model, 1.0 + 0.0j),
-        y.copy(),
-        np.zeros(n),
-        np.zeros(n),
-        y.copy(),
-        np.zeros((3, n)),
-        np.zeros((3, n)),
-        np.zeros((3, n_r)),
-        np.zeros((3, n_r)),
-        np.zeros((3, n_r)),
-        np.zeros(3),
-        np.zeros((3, model.n_constraint)),
-        np.zeros((3, nb, widest)),
-        np.zeros((3, n_r)),
-        np.zeros((3, n)),
-        np.zeros(n),
-        np.zeros(n),
-        np.zeros(n),
-        new_cutoff(model, frozen, least),
-        least,
-        np.zeros(1),
-        np.zeros(N_CLOCK),
-        np.zeros(N_COUNT, dtype=np.int64),
-        np.zeros(n, dtype=np.int64),
-        np.zeros(N_COUNT, dtype=np.int64),
+    sizes = {"n": n, "nb": nb, "widest": widest, "n_r": n_r, "n_c": model.n_constraint}
+    workspace = zeros_of(
+        RadauWorkspace,
+        sizes | {"clock": N_CLOCK, "count": N_COUNT},
+        work=new_workspace(model),
+        frozen=frozen,
+        real=new_pencil(model, 1.0),
+        pair=new_pencil(model, 1.0 + 0.0j),
+        y=y.copy(),
+        y_old=y.copy(),
+        cutoff=new_cutoff(model, frozen, least),
+        least=least,
     )
     workspace.clock[TIME], workspace.clock[NEXT], workspace.clock[ERROR_LAST] = t, first_step, 1.0
     workspace.clock[LIMIT], workspace.clock[ROUGH], workspace.clock[GROWTH] = 1e300, 1e300, 1.0
