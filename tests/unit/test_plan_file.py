@@ -50,6 +50,9 @@ def test_a_plan_is_read_as_it_was_written(file):
     assert read_plan(file, KNOWN) == PLAN
     assert file.read_text() == "# a remark\n" + TOML
     assert kept_plan(file, KNOWN, "digest") == PLAN
+    whole = PLAN.with_body("link", whole=True)
+    write_plan(file, whole, [])
+    assert read_plan(file, KNOWN) == whole
 
 
 def test_a_plan_of_rigid_bodies_has_no_bodies(file):

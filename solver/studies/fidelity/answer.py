@@ -5,7 +5,6 @@ from dataclasses import asdict, dataclass, field
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from ...checks.modes import motion_findings
 from ...errors import counted
@@ -48,8 +47,7 @@ class Answer:
     verdict : "planned", "met", "not met"
     horizon : time at which a change of 1e-6 has grown to the accuracy [s]; None: not in the run
     tried : name of the promotion, CPU time and signals (o, k) of each run on the way
-    reactions : (o,) signals that are joint forces, as far as the plan was checked
-    settled : (o,) change of the check by a tighter tolerance; None: not known
+    settled : False where the check may change by its tolerance, and no other one shows how much
     beyond : where the delivered run leaves the range of the theory, in words
     plan_sha256 : of the plan as it was read from its file, or written there
     delivered : the run of the check; that of the model if the check did not reach the end
@@ -66,8 +64,7 @@ class Answer:
     shares: list[Share] = field(default_factory=list)
     trial: Trial | None = None
     check: Trial | None = None
-    reactions: npt.NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, dtype=bool))
-    settled: Array | None = None
+    settled: bool = True
     rounds: int = 0
     reason: str = ""
     horizon: float | None = None
@@ -114,15 +111,10 @@ class Answer:
         """What the error of the delivered run is at most, by signal; None: not estimated.
 
         The check has more of everything than the model, so that its error is smaller. How much
-        smaller, no run tells. A run that no other one was compared with has no estimate. Joint
-        forces of a check may have larger errors, by its tolerance: that change is one of them.
+        smaller, no run tells. A run that no other one was compared with has no estimate.
         """
-        known = dict((estimate_entry(self) if self.delivered is self.check else None) or {})
-        for o in np.flatnonzero(self.reactions).tolist():
-            name, value = self.names[o], known.get(self.names[o])
-            known[name] = None
-            if self.settled is not None and value is not None:
-                known[name] = max(value, float(self.settled[o]))
+        told = self.delivered is self.check and self.settled
+        known = (estimate_entry(self) if told else None) or {}
         return {name: known.get(name) for name in self.names}
 
 

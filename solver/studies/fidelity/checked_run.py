@@ -234,6 +234,7 @@ def joined(one: Plan, two: Plan) -> Plan:
             vibrations=tuple(dict.fromkeys((*own.vibrations, *body.vibrations))),
             static=max(own.static, body.static),
             ringing=own.ringing or body.ringing,
+            whole=own.whole or body.whole,
         )
     stiffening = one.stiffening or two.stiffening
     return replace(one, stiffening=stiffening, rtol=min(one.rtol, two.rtol))

@@ -9,12 +9,13 @@ import numpy as np
 from ...inputs.case.record import REACTION
 from ...math.arrays import Array
 from ...run.timing import work_s
-from ..tolerances import REQUEST_MET, SPLIT_COST, SURELY_MET, TIGHTENED_COST
+from ..tolerances import LADDER_COST, REQUEST_MET, SPLIT_COST, SURELY_MET
 from .answer import Answer, not_compared
 from .choice import MOTIONS, accuracy_over_rtol
 from .comparison import kind_of_signal
 from .plan import (
     STATIC,
+    TIGHT,
     TIGHTER,
     TIGHTER_AMPLIFIED,
     TIGHTEST,
@@ -40,7 +41,7 @@ def tail(m: int, n: int, power: float = POWER) -> float:
     return (n + 0.5) ** (1.0 - power) / (power - 1.0) / known if known else 0.0
 
 
-TIGHTENED = 30.0  # tolerance of a check of joint forces over that of the run it is compared with
+LADDER = 3.0  # tolerance of a check over that of the next one
 
 
 @dataclass
@@ -67,7 +68,15 @@ class Checking:
         self.powers = np.array([power_of(kinds[name]) for name in answer.names])
         plain = (*MOTIONS, "deflection", "rotation", REACTION)
         self._in_sections = any(kinds[name] not in plain for name in answer.names)
-        answer.reactions = np.array([kinds[name] == REACTION for name in answer.names])
+        # Where the tolerance follows from small deflections, a tenth of it may take more than the
+        # budget. Joint forces have fast vibrations, which a check does not damp. So checks of
+        # falling tolerances run until they agree: at least to this tolerance, because they change
+        # by little as long as no check has a vibration. Joint forces change by two steps.
+        rtol, reactions = self.accuracy / max(by_size, by_kind), REACTION in kinds.values()
+        self._ladder = reactions or (by_size > by_kind and rtol < TIGHT)
+        self._steps = 2 if reactions else 1
+        self._rtol = rtol / LADDER ** (self._steps - 1)
+        self._checks = [answer.check] if answer.check is not None else []
         self.ranked = {name: answer.study.indicators.ranked(name) for name in answer.plan.bodies}
         self._known: list[Trial] = []  # of the last split: one of them may be the next model
 
@@ -121,11 +130,14 @@ class Checking:
     def settled(self) -> bool:
         """Run model and check; tell whether the request is met, or nothing can help."""
         answer = self.answer
-        answer.settled = None
         with self._timed("model"):
             answer.trial = self.run(answer.plan) or answer.trial  # the first whatever the budget
         wanted = check_plan(answer.plan, answer.study.check, self.tighter)
-        if answer.check is None or answer.check.plan.rtol > wanted.rtol:
+        if self._ladder:
+            wanted = replace(wanted, rtol=min(self._rtol, answer.plan.rtol))
+            while self._few(wanted) and self._next_check(wanted):
+                pass
+        elif answer.check is None or answer.check.plan.rtol > wanted.rtol:
             with self._timed("check"):
                 answer.check = self.run(wanted) or answer.check
         answer.rounds += 1
@@ -135,31 +147,75 @@ class Checking:
             if answer.check is None:
                 answer.reason = "no check: the budget is used up, or its model cannot be assembled"
             return True
-        self._estimate(distance(self.metric, *answer.pair))
-        early = not_compared(*answer.pair)
-        answer.reason = early or f"the check differs by {self._largest:.2g}"
-        if answer.pair[1].finished.solution.code:  # a finding: a promoted model does not change it
-            return True
+        while True:
+            early = not_compared(*answer.pair)
+            apart = self._estimate(distance(self.metric, *answer.pair))
+            answer.reason = early or f"the check differs by {self._largest:.2g}"
+            if answer.pair[1].finished.solution.code:  # a promoted model does not change a finding
+                return True
+            if not self._ladder:
+                break
+            # What the check still lacks is of the size of its last change.
+            change = self._changed()
+            answer.settled = change is not None
+            self._estimate(self._estimates + (self._expected() if change is None else change))
+            if change is not None and (self._fits() or float(change.max()) < apart):
+                break
+            if not self._next_check(wanted):
+                answer.reason = self._unsettled()
+                return True
         if self._fits() and answer.check.plan.rtol > wanted.rtol:
             answer.reason = "no check has a tolerance below that of the model"
             return False
         return self._fits() and self._met()
 
-    def _tighten(self) -> None:
-        """Compare the check of joint forces with the same one of a tighter tolerance; deliver that.
+    def _few(self, plan: Plan) -> bool:
+        """Tell whether no change is known, or no check has the tolerance of the plan."""
+        return len(self._checks) <= self._steps or self._checks[-1].plan.rtol > plan.rtol
 
-        They have the accelerations of fast vibrations, which a check does not damp: its tolerance
-        may change them by more than it differs from the model, which does not have them.
-        """
-        answer, (model, check) = self.answer, self.answer.pair
-        plan = replace(check.plan, rtol=max(check.plan.rtol / TIGHTENED, TIGHTEST))
-        if not answer.reactions.any() or TIGHTENED_COST * check.cpu > self.left():
-            return
+    def _next_check(self, plan: Plan) -> bool:
+        """Run a check of the next tolerance; False if the budget does not allow it."""
+        checks, rtol = self._checks, self._rtol
+        if checks:
+            last = checks[-1]
+            rtol = max(last.plan.rtol / LADDER, TIGHTEST)
+            if rtol == last.plan.rtol or not last.complete or self._cost() > self.left():
+                return False
+        else:
+            while rtol * LADDER <= TIGHT:  # the first one is cheap
+                rtol *= LADDER
         with self._timed("check"):
-            other = self.run(plan)
-        if other is not None and other.complete:
-            answer.check, answer.settled = other, distance(self.metric, check, other)
-            self._estimate(np.maximum(self._estimates, distance(self.metric, model, other)))
+            check = self.run(replace(plan, rtol=min(rtol, TIGHT)))
+        if check is not None:
+            self.answer.check = check
+            checks.append(check)
+        return check is not None
+
+    def _cost(self) -> float:
+        """CPU seconds of the next check."""
+        return LADDER_COST * self._checks[-1].cpu
+
+    def _changed(self) -> Array | None:
+        """Return the last change of the check (o,); None: not known."""
+        checks = self._checks
+        if len(checks) <= self._steps:
+            return None
+        return distance(self.metric, checks[-1 - self._steps], checks[-1])
+
+    def _expected(self) -> Array:
+        """Return the errors (o,) that the tolerance of the check permits."""
+        amplified, check = self.answer.study.indicators.amplified, self.answer.pair[1]
+        return np.asarray(amplified * check.plan.rtol)
+
+    def _unsettled(self) -> str:
+        """Say what the check would need."""
+        change = self._changed()
+        known = "no change is known" if change is None else f"it changed by {change.max():.2g}"
+        return (
+            f"the check has not settled at rtol {self._checks[-1].plan.rtol:.2g} ({known}), and "
+            f"the next one would take about {self._cost():.2g} s of CPU time, more than the budget "
+            "leaves"
+        )
 
     def _met(self) -> bool:
         """Estimate what both packages lack; tell whether this settles the request."""
@@ -182,12 +238,8 @@ class Checking:
         if reason := self._meshes():
             answer.reason = reason
             return True
-        self._tighten()
-        if not self._fits():
-            answer.reason = f"a check of a tighter tolerance differs by {self._largest:.2g}"
-            return False
         answer.verdict, answer.reason = "met", ""
-        if self.metric == "pointwise" and self.left() > 0.0:
+        if self.metric == "pointwise" and model.cpu < self.left():
             with self._timed("horizon"):
                 answer.horizon = horizon(model, answer.names, self.accuracy)
         return True
@@ -202,10 +254,12 @@ class Checking:
         first, if there is a budget.
         """
         study, (model, check) = self.answer.study, self.answer.pair
-        finer = any(b.mesh == "check" and not b.rigid for b in model.plan.bodies.values())
-        sure = self._largest <= SURELY_MET * self.accuracy and not finer
+        fine = any(b.mesh == "check" and not b.rigid for b in model.plan.bodies.values())
+        sure = self._largest <= SURELY_MET * self.accuracy and not fine
         use_model = sure and (not self._in_sections or self.left() <= 0.0)
-        poor, share, blind = check.plan, np.zeros(len(self.powers)), list[str]()
+        # What vibrations contribute is as well known from a looser check, in a third of the time.
+        looser = self._checks[-2] if len(self._checks) > 1 else check
+        poor, share, blind = looser.plan, np.zeros(len(self.powers)), list[str]()
         for name, body in check.plan.bodies.items():
             less, more = (vibration_labels(of[name].package) for of in (study.model, study.check))
             kinds = dict.fromkeys(kind_of(label) for label in body.vibrations)
@@ -218,8 +272,8 @@ class Checking:
                     share = np.maximum(share, [tail(m, n, power) for power in self.powers])
         if not blind:
             return None, ""
-        other = model if use_model else self.run(poor)
-        missing = None if other is None else share * distance(self.metric, other, check)
+        other, finer = (model, check) if use_model else (self.run(poor), looser)
+        missing = None if other is None else share * distance(self.metric, other, finer)
         return missing, ", ".join(blind)
 
     def _meshes(self) -> str:
@@ -255,8 +309,11 @@ class Checking:
         All at once if the runs that tell the shares would take most of the budget.
         """
         answer, (model, check), shares = self.answer, self.answer.pair, list[Share]()
-        self._known.clear()
+        self._known[:] = self._checks
         single = [*promotions(model.plan, check.plan, self.ranked)]
+        if len(single) * model.cpu > SPLIT_COST * self.left() and self._ladder:
+            before, answer.plan = answer.plan, self._checks[-self._steps].plan  # has run
+            return before != answer.plan
         if len(single) * model.cpu <= SPLIT_COST * self.left():
             with self._timed("split"):
                 for kind, body, changes in single:

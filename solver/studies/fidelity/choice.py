@@ -151,6 +151,7 @@ class BodyTable(Table):
     static_shapes: int = entry("number of static shapes", ge=0, le=MOST_SHAPES)
     ringing: bool = entry("the static shapes are undamped")
     mesh: Literal["model", "check"] = entry("package that the modes come from")
+    whole: bool = entry("all modes of the package that respond, as a check", default=False)
 
 
 class PlanTable(Table):
@@ -223,7 +224,9 @@ def plan_of_table(file: Path, content: Mapping[str, Any], known: Known) -> Plan:
             refuse(unknown(f"{where}.vibrations.{i}", label, "vibration", there))
             if label in labels[:i]:
                 raise InputError(f'{where}.vibrations.{i} = "{label}": twice; expected it once')
-        bodies[name] = BodyPlan(tuple(labels), body.static_shapes, body.ringing, body.mesh)
+        bodies[name] = BodyPlan(
+            tuple(labels), body.static_shapes, body.ringing, body.mesh, body.whole
+        )
     for name in known:
         if name not in bodies:
             raise InputError(

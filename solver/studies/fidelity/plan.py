@@ -36,7 +36,7 @@ class BodyPlan:
     ringing : the static shapes are undamped; otherwise they have a damping ratio that suppresses
         their vibrations
     mesh : "model" or "check": package that its modes come from
-    whole : it has all modes of the package that respond; of checks only
+    whole : it has all modes of the package that respond, as a check
     """
 
     vibrations: tuple[str, ...] = ()
@@ -85,6 +85,7 @@ class Plan:
                     "static_shapes": body.static,
                     "ringing": body.ringing,
                     "mesh": body.mesh,
+                    **({"whole": True} if body.whole else {}),
                 }
                 for name, body in self.bodies.items()
             },

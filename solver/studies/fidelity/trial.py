@@ -143,8 +143,9 @@ def promotions(plan: Plan, check: Plan, ranked: Ranked) -> Iterator[Promotion]:
             yield "mesh", name, {"mesh": "check"}
     if check.stiffening and not plan.stiffening:
         yield "stiffening", "", {"stiffening": True}
-    if plan.rtol > LEAST_RTOL:
-        yield TOLERANCE, "", {"rtol": max(LEAST_RTOL, plan.rtol / TIGHTER)}
+    rtol = max(LEAST_RTOL, check.rtol, plan.rtol / TIGHTER)
+    if plan.rtol > rtol:
+        yield TOLERANCE, "", {"rtol": rtol}
 
 
 def promoted(
