@@ -11,6 +11,12 @@ REQUEST_MET = 0.9
 # is at most 1.6 times what the package of the model lacks, which is a part of the estimate.
 SURELY_MET = 1.0 / 3.0
 
+# What a check lacks, over its last change by the tolerance. Measured up to 1.4 in runs of four-bars
+# and slider-cranks with tolerances that resolve the vibrations (docs/measurements.md).
+# Test: tests/verification/test_fidelity.py::test_the_stated_error_of_a_joint_force_holds
+# Test: tests/verification/test_fidelity.py::test_checks_of_small_deflections_end_where_two_agree
+LACKING = 1.5
+
 # CPU time of a check over that of the last one of three times its tolerance: steps are proportional
 # to 1 / tolerance where it decides which vibrations are resolved (four-bars: 1.5 to 3.2).
 # Test: tests/verification/test_fidelity.py::

@@ -9,7 +9,7 @@ import numpy as np
 from ...inputs.case.record import REACTION
 from ...math.arrays import Array
 from ...run.timing import work_s
-from ..tolerances import LADDER_COST, REQUEST_MET, SPLIT_COST, SURELY_MET
+from ..tolerances import LACKING, LADDER_COST, REQUEST_MET, SPLIT_COST, SURELY_MET
 from .answer import Answer, not_compared
 from .choice import MOTIONS, accuracy_over_rtol
 from .comparison import kind_of_signal
@@ -155,11 +155,11 @@ class Checking:
                 return True
             if not self._ladder:
                 break
-            # What the check still lacks is of the size of its last change.
             change = self._changed()
             answer.settled = change is not None
-            self._estimate(self._estimates + (self._expected() if change is None else change))
-            if change is not None and (self._fits() or float(change.max()) < apart):
+            lacks = self._expected() if change is None else LACKING * change
+            self._estimate(self._estimates + lacks)
+            if answer.settled and (self._fits() or float(lacks.max()) < apart):
                 break
             if not self._next_check(wanted):
                 answer.reason = self._unsettled()
@@ -257,8 +257,9 @@ class Checking:
         fine = any(b.mesh == "check" and not b.rigid for b in model.plan.bodies.values())
         sure = self._largest <= SURELY_MET * self.accuracy and not fine
         use_model = sure and (not self._in_sections or self.left() <= 0.0)
-        # What vibrations contribute is as well known from a looser check, in a third of the time.
-        looser = self._checks[-2] if len(self._checks) > 1 else check
+        looser = check
+        if len(self._checks) > 1 and check.cpu > SPLIT_COST * self.left():
+            looser = self._checks[-2]  # tells what vibrations contribute in a third of the time
         poor, share, blind = looser.plan, np.zeros(len(self.powers)), list[str]()
         for name, body in check.plan.bodies.items():
             less, more = (vibration_labels(of[name].package) for of in (study.model, study.check))
