@@ -307,15 +307,14 @@ class Checking:
     def promote(self) -> bool:
         """Promote what has the largest shares of the difference; False if nothing is left.
 
-        All at once if the runs that tell the shares would take most of the budget.
+        All at once if the runs that tell the shares would take most of the budget: with checks of
+        falling tolerances, the model then is one of them, which has run.
         """
         answer, (model, check), shares = self.answer, self.answer.pair, list[Share]()
         self._known[:] = self._checks
         single = [*promotions(model.plan, check.plan, self.ranked)]
-        if len(single) * model.cpu > SPLIT_COST * self.left() and self._ladder:
-            before, answer.plan = answer.plan, self._checks[-self._steps].plan  # has run
-            return before != answer.plan
-        if len(single) * model.cpu <= SPLIT_COST * self.left():
+        split = len(single) * model.cpu <= SPLIT_COST * self.left()
+        if split:
             with self._timed("split"):
                 for kind, body, changes in single:
                     if (other := self.run(model.plan.with_body(body, **changes))) is not None:
@@ -325,6 +324,7 @@ class Checking:
         more = promoted(
             answer.plan, check.plan, self.ranked, answer.shares, self._largest, self.accuracy
         )
-        changed = more != answer.plan
-        answer.plan = more
-        return changed
+        if self._ladder and not split:
+            more = self._checks[-self._steps].plan
+        before, answer.plan = answer.plan, more
+        return more != before or (self._ladder and self._next_check(check.plan))
