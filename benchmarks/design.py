@@ -226,8 +226,8 @@ def many_parameters(folder: Path, count: int = 1000) -> dict[str, Any]:
     trace, begin = Trace(prepared), time.process_time()
     finished = integrated(prepared, trace, stages=True)
     run, begin = time.process_time() - begin, time.process_time()
-    fewer, shares = combined(spec, [one.name for one in design])
-    parameters = [design_parameter(fewer, str(k)) for k in range(len(shares))]
+    kept, shares = combined(spec, [one.name for one in design])
+    parameters = [design_parameter(spec, f"g{k}") for k in kept]
     traced = Traced(prepared, finished, trace, ["tip_deflection"])
     made = Made(spec, finished, prepared.measured, Recording(prepared.model, finished.solution.t,
                 np.asarray(finished.solution.y[:])))  # fmt: skip
@@ -235,7 +235,7 @@ def many_parameters(folder: Path, count: int = 1000) -> dict[str, Any]:
     adjoint = by_adjoint(traced, parameters, [measure], made)[0][0] @ shares
     middle = time.process_time()
     weights = measure.reduce(measure.raw(made), made.t)[1][0]
-    result, _ = with_sensitivities(fewer, parameters)
+    result, _ = with_sensitivities(spec, parameters)
     tip = [one.values for one in result.sensitivities if one.signal == "tip_deflection"]
     tangent = weights @ np.stack(tip, axis=1) @ shares
     return {

@@ -7,6 +7,10 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
+from ..solver.math.arrays import Array
+from ..solver.math.independent import independent
 from ..solver.package.body.package_schema import ModalPackage, SectionData
 from ..solver.package.common.design import moved
 from ..solver.package.common.plain_data import SpecError, canonical, toml_text
@@ -23,8 +27,9 @@ from .beam.beam_body import (
     stiffness_error,
 )
 from .beam.beam_specification import BeamSpec, read_spec
+from .beam.line import LineSection
 from .beam.sections import StationSection, analysed_section, given_section, is_given
-from .design import body_parameters, change_of_inputs, derivatives
+from .design import body_parameters, change_of_inputs, derivatives, of_parameters
 from .fenicsx import eigenpairs
 from .parameters import Parameter
 from .provenance import body_provenance
@@ -32,6 +37,7 @@ from .section.section_analysis import analyse
 
 # Stresses of a package are recovered at the points of this rule: four in a quadrilateral.
 RECOVERY_DEGREE = 3
+SAME = 1e-12  # of the largest change of sections, below which there is none: rounding
 
 
 def build_body(spec: Mapping[str, object], **team: Any) -> ModalPackage:
@@ -109,6 +115,8 @@ def _build_beam(spec: Mapping[str, object]) -> ModalPackage:
     if not parameters:
         return package
 
+    linear = bool(spec.get("design_linear"))
+
     def at(parameter: Parameter, distance: float) -> tuple[BeamModel, list[SectionData]]:
         """The beam with a parameter moved, and its sections without rounding."""
         own = (t.factor for t in parameter.targets if t.path == "damping_ratio")
@@ -116,20 +124,22 @@ def _build_beam(spec: Mapping[str, object]) -> ModalPackage:
         changed = replace(beam, damping_ratio=beam.damping_ratio + distance * sum(own))
         at_stations = sections.at(parameter, distance)
         moved = beam_model(changed, *(one.line for one in at_stations))
-        if not spec.get("design_strains", True):
-            at_stations = [one._replace(recovery=None) for one in at_stations]
         return moved, sections.data(at_stations)
 
-    design = derivatives(
-        [p.linear() if sections.is_analysed(p) else p for p in parameters],
+    asked = [p.linear() if sections.is_analysed(p) else p for p in parameters]
+    kept, shares = list(range(len(asked))), np.eye(len(asked))
+    if linear and all(sections.is_analysed(p) for p in parameters):
+        kept, shares = sections.independent(parameters)
+    rates = derivatives(
+        [asked[k] for k in kept],
         beam_input(model, eigenpairs)[0],
         modes,
         at,
         lambda p, moved: change_of_inputs(p, [beam_input(one, eigenpairs) for one, _ in moved]),
-        lambda moved, modes: beam_package(moved[0], modes, moved[1], {}),
+        lambda moved, modes: beam_package(moved[0], modes, moved[1], {}, linear=linear),
         beam.damping_ratio,
     )
-    return replace(package, design=design)
+    return replace(package, design=of_parameters(parameters, rates, shares))
 
 
 class BeamSections:
@@ -138,7 +148,8 @@ class BeamSections:
     def __init__(
         self, spec: Mapping[str, object], beam: BeamSpec, parameters: Sequence[Parameter]
     ) -> None:
-        self._theory, self._places, self._files = beam.theory, [], []
+        self._theory, self._linear = beam.theory, bool(spec.get("design_linear"))
+        self._places, self._files = [], []
         self._tables = [{k: v for k, v in t.items() if k != "name"} for t in beam.sections]
         self._names = [str(table.get("name", beam.body)) for table in beam.sections]
         self._texts = [toml_text(table) for table in self._tables]
@@ -148,7 +159,7 @@ class BeamSections:
             given = is_given(table)
             self._places.append(place)
             texts = canonical(table), canonical(design)
-            self._files.append(None if given else _analysed(*texts, beam.errors))
+            self._files.append(None if given else _analysed(*texts, beam.errors, not self._linear))
 
     def at(self, parameter: Parameter | None = None, distance: float = 0.0) -> list[StationSection]:
         """Sections of the stations, with a parameter moved by a distance."""
@@ -159,6 +170,10 @@ class BeamSections:
         if parameter is not None and parameter.below(place):
             if file is None:
                 table = parameter.moved(distance, place)
+            elif self._linear:
+                rate = _rates_of(file)[parameter.name]
+                K, M = (x + distance * rate.get(n, 0.0) for n, x in (("K", file.K), ("M", file.M)))
+                return StationSection(LineSection(K, M, np.zeros(6)), None, 0, ())
             else:
                 file = moved(file, {parameter.name: distance})
         return given_section(table) if file is None else analysed_section(file, self._theory)
@@ -168,6 +183,21 @@ class BeamSections:
         own = zip(self._places, self._files, strict=True)
         count = sum(len(parameter.below(place)) for place, file in own if file is not None)
         return count == len(parameter.targets)
+
+    def independent(self, parameters: Sequence[Parameter]) -> tuple[list[int], Array]:
+        """Which parameters (r) change the sections in all ways; shares (r, p) of these in all."""
+        files = [(row, file) for row, file in enumerate(self._files) if file is not None]
+        values = {(row, n): getattr(file, n) for row, file in files for n in ("K", "M")}
+        changes = [
+            {
+                (row, n): rate
+                for row, file in files
+                for n, rate in _rates_of(file).get(p.name, {}).items()
+                if n in ("K", "M")
+            }
+            for p in parameters
+        ]
+        return independent(values, changes, SAME)
 
     def data(
         self,
@@ -190,8 +220,12 @@ class BeamSections:
         ]
 
 
+def _rates_of(file: SectionFile) -> dict[str, dict[str, Array]]:
+    return {one.name: one.values for one in file.design}
+
+
 @functools.lru_cache(maxsize=256)
-def _analysed(text: str, design: str, estimate: bool) -> SectionFile:
+def _analysed(text: str, design: str, estimate: bool, strains: bool) -> SectionFile:
     """Analyse a section once and reuse the result for other bodies."""
     asked = json.loads(design)
     return analyse(
@@ -199,5 +233,5 @@ def _analysed(text: str, design: str, estimate: bool) -> SectionFile:
         where="section",
         estimate=estimate,
         recovery_degree=RECOVERY_DEGREE,
-        **({"design": asked} if asked else {}),
+        **({"design": asked, "design_strains": strains} if asked else {}),
     )

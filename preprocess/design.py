@@ -120,6 +120,25 @@ def derivatives(
     return tuple(result)
 
 
+def of_parameters(
+    parameters: Sequence[Parameter], rates: Sequence[Derivative], shares: Array
+) -> tuple[Derivative, ...]:
+    """Derivatives by parameters (p) from those by the few (r) that they are made of."""
+    every = dict[str, Array]()
+    for path in dict.fromkeys(path for one in rates for path in one.values):
+        rows = np.broadcast_arrays(*(one.values.get(path, 0.0) for one in rates))
+        every[path] = np.tensordot(shares.T, rows, 1)
+    return tuple(
+        Derivative(
+            p.name,
+            p.kind,
+            tuple(t.table for t in p.targets),
+            {path: rows[k] for path, rows in every.items() if rows[k].any()},
+        )
+        for k, p in enumerate(parameters)
+    )
+
+
 def change_of_inputs(
     p: Parameter, at: Sequence[tuple[Condition, Sequence[StaticLoad], Array]]
 ) -> Change:

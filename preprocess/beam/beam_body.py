@@ -124,22 +124,32 @@ def beam_input(model: BeamModel, solver: EigenSolver) -> tuple[Condition, list[S
 
 
 def beam_package(
-    model: BeamModel, modes: Modes, sections: Sequence[SectionData], provenance: dict[str, object]
+    model: BeamModel,
+    modes: Modes,
+    sections: Sequence[SectionData],
+    provenance: dict[str, object],
+    *,
+    linear: bool = False,
 ) -> ModalPackage:
     """Collect mesh, modes and inertia of a beam in a modal package.
 
-    `sections` are those of the stations, with their stresses. A tapered beam has stresses at the
-    nodes of its stations, and K and M of the sections at all nodes.
+    A tapered beam has stresses at the nodes of its stations, and K and M of the sections at all
+    nodes. The nodal masses are always lumped. The invariants use the mass form of the
+    specification, which is also that of the eigenproblem.
 
-    The nodal masses are always lumped. The invariants
-    use the mass form of the specification, which is also that of the eigenproblem.
+    Parameters
+    ----------
+    model, modes : of the beam
+    sections : of the stations, with their stresses
+    provenance : of the package
+    linear : without terms of second order
     """
     spec, line = model.spec, model.line
     n, m = line.n_node, len(modes.values)
     shapes_B = np.ascontiguousarray(np.moveaxis(modes.columns_B.reshape(n, 6, m), 2, 0))
     points = point_masses(mass_stations(line, modes.columns_B, spec.mass_form))
     fields = None
-    if 0 < m <= MOST_MODES:
+    if 0 < m <= MOST_MODES and not linear:
         held = held_dofs(spec.reference.kind, model.reference_nodes)
         fields = second_order_fields(line, modes.columns_B, points, spec.mass_form, held)
     node_mass, node_inertia_B = nodal_mass(line)

@@ -110,6 +110,22 @@ class PrismaticSolver:
         )
         return W, S_e
 
+    def tests(self) -> tuple[Array, Array]:
+        """Strains A and B (c, q, 6, 6) by whose work with C' e the stiffness changes.
+
+        M = T'N + N T + S_e' of `changed` is -<A, C' e> + <B, C' e> T. The equations are symmetric,
+        their part with T is antisymmetric: two solutions with the loads P give M of any C'.
+        """
+        state, space, solver = self._state, self._space, self._solver
+        W, S_e = self._constant(state.P @ state.T, np.eye(6))
+        A = space.strain_in_section(W) + space.strain_along_beam(state.Z @ S_e)
+        B = space.strain_along_beam(W)
+        change = space.load_along_beam(state.C @ B)
+        load = state.P + space.load_in_section(state.C @ B) - space.load_along_beam(state.C @ A)
+        W, S_e = self._constant(solver.without_rigid_work(load), state.Z.T @ change)
+        B = B - space.strain_in_section(W) - space.strain_along_beam(state.Z @ S_e)
+        return A, B
+
     def _constant(self, loads: Array, resultants: Array) -> tuple[Array, Array]:
         """Solutions that do not change along the beam."""
         load = flat(loads)
@@ -165,6 +181,19 @@ def changed(
     return Changes(0.5 * (dK + np.swapaxes(dK, 1, 2)), W, Q)
 
 
+def changed_stiffness(
+    state: Central, solver: PrismaticSolver, of_stiffness: Sequence[tuple[IntArray, Array]]
+) -> Array:
+    """Return the rates K' of `changed` alone, (p, 6, 6), by two solutions for all parameters."""
+    K, T, rates = state.K, state.T, np.zeros((len(of_stiffness), 6, 6))
+    tests = np.concatenate([state.strain, *solver.tests()], axis=-1)
+    for i, (cells, rate) in enumerate(of_stiffness):
+        work = state.space.work(rate @ state.strain[cells], tests[cells], cells)
+        S = work[:, :6] - 2.0 * work[:, 6:12].T + 2.0 * work[:, 12:].T @ T
+        rates[i] = -0.5 * K @ (S + S.T) @ K
+    return 0.5 * (rates + np.swapaxes(rates, 1, 2))
+
+
 Solver = PrismaticSolver | Equations
 
 
@@ -177,6 +206,7 @@ def derivatives(
     strain: Array,
     *,
     shown: bool = True,
+    strains: bool = True,
 ) -> dict[str, dict[str, Array]]:
     """Derivatives of the datasets of a section file by parameters that do not move its mesh.
 
@@ -190,6 +220,7 @@ def derivatives(
     space, lay : points of recovery and their plies
     strain : `unit_strains` at these points
     shown : also of warping and mesh, which a body has no use for
+    strains : also of strains at the points; a prismatic beam without has those of K and M
     """
     state = central(result, asked[0].lay.stiffness)
     solver: Solver
@@ -202,6 +233,11 @@ def derivatives(
     middle = middles(state.space) if shown else None
     by_parameter = {one.parameter.name: _of_plies(state, one, middle) for one in asked}
     moving = [one for one in asked if len(one.cells)]
+    if not strains and isinstance(solver, PrismaticSolver):
+        rates = changed_stiffness(state, solver, [(one.cells, one.stiffness()) for one in moving])
+        for one, K in zip(moving, rates, strict=True):
+            by_parameter[one.parameter.name]["K"] = K
+        moving = []
     for first in range(0, len(moving), AT_ONCE):
         some = moving[first : first + AT_ONCE]
         changes = changed(state, solver, [(one.cells, one.stiffness()) for one in some])

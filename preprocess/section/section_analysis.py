@@ -73,6 +73,7 @@ def analyse(
     recovery_degree: int | None = None,
     verify: bool = False,
     design: Mapping[str, Targets] | None = None,
+    design_strains: bool = True,
     discretisation: Mapping[str, Any] | None = None,
     problem: SectionProblem | None = None,
     team: fenicsx.Team = fenicsx.ALONE,
@@ -93,6 +94,7 @@ def analyse(
     verify : compute K by a second method as well (section_verification.py)
     design : parameters by whose change everything is differentiated, see `parameters`; with
         `recovery_degree` but for warping and mesh
+    design_strains : whether derivatives are also those of strains, see `derivatives`
     discretisation : of a section with other values of parameters, from its provenance: the same
         divisions of cells and degree, whatever the estimate says. The derivatives are those of
         such analyses
@@ -223,7 +225,8 @@ def analyse(
     begin("derivatives")
     shown, by_name = recovery_degree is None, dict[str, dict[str, Array]]()
     if fixed := [rates(parameter, lay) for parameter in asked if not moves(parameter)]:
-        by_name = derivatives(result, factorised, fixed, points, lay_points, strain, shown=shown)
+        at = points, lay_points, strain
+        by_name = derivatives(result, factorised, fixed, *at, shown=shown, strains=design_strains)
 
     def analysed(other: Mapping[str, Any], mesh: SectionMesh) -> SectionFile:
         moved = SectionProblem(mesh, problem.degree).like(problem)

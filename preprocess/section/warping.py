@@ -153,6 +153,11 @@ class WarpingSolver:
             W = self._by_gradients(W, load, product)
         return W - self.rigid @ np.linalg.solve(self.rigid_gram, self._rigid_load.T @ W)
 
+    def without_rigid_work(self, load: Array) -> Array:
+        """Loads (n_dof, m) that do the same work on what `solve` returns, none on rigid motions."""
+        work = np.linalg.solve(self.rigid_gram.T, self.rigid.T @ load)
+        return np.asarray(load - self._rigid_load @ work)
+
     def _by_gradients(self, W: Array, load: Array, product: Callable[[Array], Array]) -> Array:
         """Conjugate gradients from W, each column on its own; the factor is the preconditioner.
 

@@ -331,6 +331,25 @@ def test_gradient_of_a_run_is_that_of_rebuilt_designs(fenicsx: str, tmp_path: Pa
             np.testing.assert_allclose(np.array(slopes)[:, k], expected, rtol=0.0, atol=near_by)
 
 
+def test_angles_that_change_a_section_in_fewer_ways(fenicsx: str, tmp_path: Path) -> None:
+    """A study without stresses follows some of its parameters; with them, each of them."""
+    energy = {"deformation_energy": "arm", "of": "at", "time": 0.03, "max": 1.0}
+    limits, found = [energy, {"strength": "arm", "min": 0.1}], []
+    load = {"of": ["masses.load.mass"], "kind": "number", "bounds": [0.5, 2.0]}
+    p, ways = np.array([1.0, *np.linspace(-60.0, 70.0, 8)]), []
+    for count in (1, 2):
+        study = {"run": "base", "minimise": {"signal": "z", "of": "rms"}}
+        study |= {"subject_to": limits[:count], "rtol": 1e-8}
+        table = swung(8, parameters={"load": load, **angles(8)}, studies={"s": study})
+        del table["signals"]["error"]  # of two runs
+        trials = Trials(StudySpec(table, Path("tube.toml"), False, "s", tmp_path, exact=True))
+        found.append(trials.slopes(p)[:2])
+        ways.append(len(trials._beside["base"]))
+    assert ways[0] < ways[1] == p.size
+    for one, other in zip(*found, strict=True):
+        np.testing.assert_allclose(one, other, rtol=0.0, atol=1e-7 * np.abs(other).max())
+
+
 def test_sensitivities_by_all_parameters_of_a_design(fenicsx: str) -> None:
     """Without keys: the angle of a ply and a mass; the angle against two packages beside."""
     load = {"of": ["masses.load.mass"], "kind": "number", "bounds": [0.5, 2.0]}

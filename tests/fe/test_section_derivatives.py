@@ -143,6 +143,9 @@ def test_twelve_angles() -> None:
     assert found["recovery/strain_M"] < 1e-6
     assert found["recovery/A_BM"] < 1e-9
     assert all(one.kind == "angle" and "M" not in one.values for one in section.design)
+    alone = analyse(PRISMATIC, estimate=False, design=ANGLES, design_strains=False)
+    for one, other in zip(section.design, alone.design, strict=True):
+        assert scaled(one.values["K"] - other.values["K"], section.K).max() < 1e-12
 
 
 def station() -> dict[str, Any]:

@@ -10,6 +10,7 @@ import pytest
 from samples.package_samples import cantilever
 
 from plymotion.solver.errors import PackageError
+from plymotion.solver.math.independent import independent
 from plymotion.solver.package import ModalPackage, read_package, validate, write_package
 from plymotion.solver.package.body.selection import changed_basis
 from plymotion.solver.package.common.dataset import all_values
@@ -88,6 +89,22 @@ def test_five_points_are_exact_for_a_quartic() -> None:
     found = differenced(at, 0.1)
     assert found.keys() == {"y"}
     np.testing.assert_allclose(found["y"], 1.0, rtol=1e-12)
+
+
+def test_changes_are_made_of_the_independent_ones() -> None:
+    """Of arrays of any size: two ways, also where a change is zero or there is none."""
+    one = {"K": np.diag([1e9, 2e9]), "m": np.array([1e-6])}
+    two = {"m": np.array([3e-6])}
+    sum_ = {"K": 0.5 * one["K"], "m": 0.5 * one["m"] - 4.0 * two["m"]}
+    values, changes = {"K": 1e12 * np.eye(2), "m": np.array([1e-3])}, [{}, two, sum_, one, two]
+    kept, shares = independent(values, changes, 1e-12)
+    assert len(kept) == 2
+    for change, share in zip(changes, shares.T, strict=True):
+        for name, zero in (("K", np.zeros((2, 2))), ("m", np.zeros(1))):
+            made = sum(s * changes[k].get(name, zero) for k, s in zip(kept, share, strict=True))
+            size = np.abs(one[name]).max()
+            np.testing.assert_allclose(made, change.get(name, zero), rtol=0.0, atol=1e-12 * size)
+    assert independent(values, [{}], 1e-12)[1].shape == (0, 1)
 
 
 @pytest.mark.parametrize(

@@ -293,9 +293,9 @@ class SectionSpace:
         values = np.swapaxes(self.values, -1, -2)
         return self._sum(values @ weighted.reshape(*self._areas.shape, -1))
 
-    def work(self, stress: Array, strain: Array) -> Array:
-        """Integral of stress' strain over the section, (m, n), of (c, q, 6, m) and (c, q, 6, n)."""
-        weighted = self._areas[..., None, None] * stress
+    def work(self, stress: Array, strain: Array, cells: Any = slice(None)) -> Array:
+        """Integral of stress' strain over cells, (m, n), of (c, q, 6, m) and (c, q, 6, n)."""
+        weighted = self._areas[cells][..., None, None] * stress
         return self.team.total(
             weighted.reshape(-1, stress.shape[3]).T @ strain.reshape(-1, strain.shape[3])
         )

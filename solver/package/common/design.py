@@ -89,40 +89,6 @@ def differenced(at: Sequence[Mapping[Any, Any]], step: float) -> dict[Any, Array
     return rates
 
 
-def independent(
-    values: Mapping[Any, Any], changes: Sequence[Mapping[Any, Array]], same: float
-) -> tuple[list[dict[Any, Array]], Array]:
-    """Return fewer changes of arrays by name (r), and shares (r, P) of them in the P given ones.
-
-    Many plies change the stiffness of a section in few ways, and with it all arrays of a body.
-
-    Parameters
-    ----------
-    values : the arrays that change
-    same : of the largest change, each relative to its own arrays: below it there is none
-    """
-    sizes = {
-        n: np.abs(values[n]).max(initial=0.0) or 1.0
-        for n in dict.fromkeys(n for c in changes for n in c)
-    }
-    zeros = {n: np.zeros(np.shape(values[n])) for n in sizes}
-    rows = np.array(
-        [np.hstack([np.ravel(c.get(n, zeros[n])) / s for n, s in sizes.items()]) for c in changes]
-    )
-    norms = np.linalg.norm(rows, axis=1, keepdims=True)
-    U, s, V = np.linalg.svd(rows / norms, full_matrices=False)
-    r, scale = int((s > same * s[0]).sum()), norms.max()
-    ends = np.cumsum([each.size for each in zeros.values()])[:-1]
-    ways = [
-        {
-            n: scale * sizes[n] * part.reshape(zeros[n].shape)
-            for n, part in zip(sizes, parts, strict=True)
-        }
-        for parts in (np.split(row, ends) for row in V[:r])
-    ]
-    return ways, (U[:, :r] * s[:r] * norms / scale).T
-
-
 def write_design(group: h5py.Group, design: Sequence[Derivative], where: str) -> None:
     """Write derivatives beside their datasets. Raises PackageError for what `validate` refuses.
 

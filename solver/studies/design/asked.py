@@ -56,13 +56,13 @@ def asked_of(
         spec, of_design = spec_of_run(case, run, build, packages), []
     names = [key for key in keys if "." not in key and key not in known]
     if len(names) > MANY:
-        spec, own = combined(spec, names)
+        kept, own = combined(spec, names)
         others = [*(member[0] for member in members), *designed]
-        shares = np.zeros((len(others) + len(own), len(keys)))
+        shares = np.zeros((len(others) + len(kept), len(keys)))
         for k, name in enumerate(others):
             shares[k, keys.index(name)] = 1.0
         shares[len(others) :, [keys.index(name) for name in names]] = own
-        names = [str(k) for k in range(len(own))]
+        names = [names[k] for k in kept]
     numbers = [parameter_of(spec, *member) for member in members]
     parameters = [*numbers, *of_design, *(design_parameter(spec, name, known) for name in names)]
     if shares is None:

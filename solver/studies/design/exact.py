@@ -63,7 +63,7 @@ def beside(p: Array, steps: Array, ranges: Array | None = None) -> list[Array]:
 
 
 def with_targets(
-    names: Sequence[str], specs: Sequence[Specs], steps: Array, *, strains: bool = True
+    names: Sequence[str], specs: Sequence[Specs], steps: Array, *, linear: bool = False
 ) -> dict[str, BodySpec]:
     """Return specifications of bodies that ask for derivatives.
 
@@ -71,7 +71,7 @@ def with_targets(
     ----------
     names : of the parameters
     specs : of the designs of `beside`
-    strains : also of those in the sections of beams, which stresses need
+    linear : of beams without what only stresses and geometric stiffening need
 
     Raises
     ------
@@ -88,8 +88,8 @@ def with_targets(
                 design[name] = list(_targets(where, minus.content, plus.content, 2.0 * steps[k]))
         if design:
             content: Any = {**spec.content, "design": design}
-            if not strains and content["kind"] == "beam":
-                content["design_strains"] = False
+            if linear and content["kind"] == "beam":
+                content["design_linear"] = True
             specs_by_body[body] = replace(
                 spec, content=content, inputs_sha256=inputs_sha256(content)
             )
@@ -114,32 +114,36 @@ def _targets(where: str, minus: Any, plus: Any, h: float) -> Iterator[dict[str, 
 def runs_beside(
     spec: RunSpec,
     names: Sequence[str],
-    mechanisms: Sequence[Mechanism],
+    mechanisms: Sequence[tuple[Mechanism, Mechanism]],
     steps: Array,
     *,
-    strains: bool = True,
+    linear: bool = False,
 ) -> list[Parameter]:
     """Return parameters with the runs less and plus a step of each, by derivatives of packages.
 
     Parameters
     ----------
-    mechanisms : of the designs of `beside`
-    strains : packages have derivatives of strains in sections; without, these runs have no strains,
-        so that no stress is taken for one that does not change
+    mechanisms : less and plus the step of each parameter
+    linear : packages have no derivatives of strains in sections and of second order; these runs
+        have neither, so that nothing is taken for what does not change
     """
-    if not strains:
+    if linear:
         packages = {
-            name: replace(p, sections=tuple(replace(s, recovery=None) for s in p.sections))
+            name: replace(
+                p,
+                sections=tuple(replace(s, recovery=None) for s in p.sections),
+                second_order=None,
+            )
             for name, p in spec.packages.items()
         }
         spec = replace(spec, packages=packages)
     return [
         Parameter(
             name, "", 0.0, h,
-            replace(spec.moved(name, -h), mechanism=mechanisms[1 + 2 * k]),
-            replace(spec.moved(name, h), mechanism=mechanisms[2 + 2 * k]),
+            replace(spec.moved(name, -h), mechanism=minus),
+            replace(spec.moved(name, h), mechanism=plus),
         )
-        for k, (name, h) in enumerate(zip(names, steps.tolist(), strict=True))
+        for name, h, (minus, plus) in zip(names, steps.tolist(), mechanisms, strict=True)
     ]  # fmt: skip
 
 

@@ -39,7 +39,7 @@ from ...workers.executors import Local
 from ...workers.launch import keep_preprocessors
 from ...workers.packages import BodiesFailed, build_packages
 from ..sensitivities.differentiated_run import Trace, change_of
-from ..sensitivities.parameters import Parameter
+from ..sensitivities.parameters import Parameter, combined
 from .exact import (
     STEP,
     Traced,
@@ -82,7 +82,8 @@ class Trials:
         self.measures: list[Measure] = [measure_of(q) for q in self.study.table.quantities()]
         self.runs = any(m.runs for m in self.measures)
         self._plan, self.exact = given.plan, given.exact
-        self._beside: dict[str, list[Parameter]] = {}  # of the last design, by run
+        self._beside: dict[str, list[Parameter]] = {}  # (r) of the last design, by run
+        self._shares = np.zeros((0, 0))  # (r, p) of these in all parameters
         self._failed: dict[Path, str] = {}  # packages that could not be built
         self._refused = ""  # why the packages of the last design have no derivatives
         self._last: tuple[bytes, Made, list[Array]] | None = None
@@ -137,7 +138,7 @@ class Trials:
             parameters = self._beside[self.study.table.run]
             by_adjoint_method = adjoint_slopes(self._traces, parameters, self.measures, made)
             if by_adjoint_method is not None:
-                return by_adjoint_method
+                return [(np.array(each) @ self._shares).tolist() for each in by_adjoint_method]
         columns = self._columns(p)
         return [
             np.stack(
@@ -232,7 +233,11 @@ class Trials:
                     for m, a, b in zip(self.measures, low, high, strict=True)
                 ]
             )
-        return columns
+        stacked = [
+            np.reshape([column[k] for column in columns], (len(columns), *raw.shape))
+            for k, raw in enumerate(self._last[2])
+        ]
+        return [[np.tensordot(share, rates, 1) for rates in stacked] for share in self._shares.T]
 
     def why_not_exact(self) -> str:
         """Return what has no exact derivative; "" if all quantities have one."""
@@ -259,7 +264,7 @@ class Trials:
         InputError
             Why there are none.
         """
-        made = self._made_exact(self.study.start, strains=True)
+        made = self._made_exact(self.study.start, all_of_them=True)
         if isinstance(made, str) or self._refused:
             raise InputError(made if isinstance(made, str) else self._refused)
         beside = zip(self._beside[self.study.table.run], self.study.start, strict=True)
@@ -268,19 +273,22 @@ class Trials:
             for each, value in beside
         ]
 
-    def _made_exact(self, p: Array, *, strains: bool = False) -> Made | str:
-        """Return a design whose packages carry derivatives; of an invalid one, why."""
+    def _made_exact(self, p: Array, *, all_of_them: bool = False) -> Made | str:
+        """Return a design whose packages carry derivatives; of an invalid one, why.
+
+        They have those that the quantities of the study depend on, or all of them.
+        """
         names, steps = list(self.study.parameters), self.steps(STEP)
         try:
             ranges = np.array([q.range() for q in self.study.parameters.values()])
             designs = self.study.designs(beside(p, steps, ranges))
             own, count = designs.own, 1 + 2 * p.size
-            strains = strains or bool(designs.others) or self._reads_strains()
+            linear = not (all_of_them or designs.others) and self._is_linear()
             runs = {self.study.table.run: own, **designs.others}
             built: list[tuple[str, BodySpec]] = []
             for members in runs.values():
                 bodies = [model_and_check(members.bodies[k])[0] for k in range(count)]
-                members.bodies[0] = with_targets(names, bodies, steps, strains=strains)
+                members.bodies[0] = with_targets(names, bodies, steps, linear=linear)
                 built += members.bodies[0].items()
             files = self.build(built)
         except InputError as error:
@@ -291,11 +299,16 @@ class Trials:
             self._traces.clear()
             made = self._run(own, designs.others, 0, files, self._traces)
             if isinstance(made, Made):
+                kept, self._shares = list(range(p.size)), np.eye(p.size)
+                if linear:
+                    kept, self._shares = self._kept(made.spec)
                 self._beside = {
                     run: runs_beside(
                         made.spec if members is own else self.spec(run, members, 0, files),
-                        names, [self.mechanism(members, k) for k in range(count)], steps,
-                        strains=strains,
+                        [names[k] for k in kept],
+                        [(self.mechanism(members, 1 + 2 * k), self.mechanism(members, 2 + 2 * k))
+                         for k in kept],
+                        steps[kept], linear=linear,
                     )
                     for run, members in runs.items()
                 }  # fmt: skip
@@ -303,12 +316,31 @@ class Trials:
             self.forget(files)
         return made
 
-    def _reads_strains(self) -> bool:
-        """Tell whether a quantity depends on strains within sections, most of a package."""
-        quantities = self.study.table.quantities()
-        read = with_parts({q.name for q in quantities}, self.study.base.signals).values()
+    def _is_linear(self) -> bool:
+        """Tell whether no quantity depends on strains within sections or on second order."""
+        quantities, base = self.study.table.quantities(), self.study.base
+        read = with_parts({q.name for q in quantities}, base.signals).values()
         stresses = any(isinstance(signal, PlyStressSignal | StrengthSignal) for signal in read)
-        return stresses or any(q.subject == "strength" for q in quantities)
+        stresses = stresses or any(q.subject == "strength" for q in quantities)
+        return not (stresses or base.solver.geometric_stiffening)
+
+    def _kept(self, spec: RunSpec) -> tuple[list[int], Array]:
+        """Return the parameters that all others are combinations of, and shares of them.
+
+        Those of sections change nothing but packages, and these in fewer ways than there are plies.
+        """
+        names = list(self.study.parameters)
+        of_sections = [
+            k
+            for k, name in enumerate(names)
+            if all(t.key.startswith("sections.") for t in self.study.targets[name])
+        ]
+        others = [k for k in range(len(names)) if k not in of_sections]
+        among, parts = combined(spec, [names[k] for k in of_sections])
+        shares = np.zeros((len(others) + len(among), len(names)))
+        shares[: len(others), others] = np.eye(len(others))
+        shares[len(others) :, of_sections] = parts
+        return [*others, *(of_sections[k] for k in among)], shares
 
     def _made(self, points: Sequence[Array]) -> list[Made | str]:
         """Return designs that were built and run; of an invalid one, why."""

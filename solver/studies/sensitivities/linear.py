@@ -15,7 +15,7 @@ from ...dynamics.evaluation.variations import along_directions, terms
 from ...dynamics.model.coordinates import displaced
 from ...dynamics.model.model import Model, modal_matrix
 from ...math.arrays import Array, IntArray
-from ...package.common.design import independent
+from ...math.independent import independent
 from ..tolerances import LEAST_STEP, MOST_GROWTH, STEP
 
 # Differences on both sides of a number, and changes for which there is time. `STEP` in place of
@@ -207,8 +207,8 @@ class Partials:
         own = [p for p, change in enumerate(every) if change]
         changes, shares = [every[p] for p in own], np.eye(P)[own]
         if len(own) > FEW:
-            changes, among = independent(now, changes, SAME)
-            shares = among @ shares
+            kept, among = independent(now, changes, SAME)
+            changes, shares = [changes[k] for k in kept], among @ shares
         self._shares = (shares / np.array([column.h for column in columns])).T
         for rates in changes:
             moved = [(n, rate) for n, rate in rates.items() if rate.any()]

@@ -17,13 +17,13 @@ from ...inputs.case.tables.schema import Sweep
 from ...integrators.breakpoints import breaks
 from ...integrators.table import treatment_of
 from ...math.arrays import Array
+from ...math.independent import independent
 from ...mechanism.assembly import treated
 from ...mechanism.build import build, used_packages
 from ...mechanism.built import BuiltMechanism
 from ...mechanism.equilibrium import given_spin
 from ...mechanism.start import quasi_static_state, starting_state
 from ...package.common.dataset import all_values
-from ...package.common.design import Derivative, independent
 from ...run.inputs import RunSpec
 
 # Over the number: central differences of arrays that are polynomials of it.
@@ -129,8 +129,8 @@ def _without_derivatives(spec: RunSpec, name: str, others: Sequence[str] = ()) -
     )
 
 
-def combined(spec: RunSpec, names: Sequence[str]) -> tuple[RunSpec, Array]:
-    """Return the run with fewer design parameters "0", "1", ..., and shares (fewer, names) of them.
+def combined(spec: RunSpec, names: Sequence[str]) -> tuple[list[int], Array]:
+    """Return which design parameters (r) all others are made of, and shares (r, names) of them.
 
     A parameter moves all packages as the sum of its shares does. There are as many as the
     derivatives of the packages have independent directions: 1000 plies of a section change its
@@ -139,7 +139,7 @@ def combined(spec: RunSpec, names: Sequence[str]) -> tuple[RunSpec, Array]:
     Raises
     ------
     InputError
-        As `design_parameter`.
+        No package has derivatives by one of them.
     """
     values = dict[tuple[str, str], Any]()
     changes: dict[str, dict[tuple[str, str], Array]] = {name: {} for name in names}
@@ -149,20 +149,9 @@ def combined(spec: RunSpec, names: Sequence[str]) -> tuple[RunSpec, Array]:
             own = changes.get(one.name, {})
             own |= {(body, path): rate for path, rate in one.values.items() if rate.any()}
     for name in names:
-        if not changes[name]:
+        if not any(one.name == name for p in spec.packages.values() for one in p.design):
             raise _without_derivatives(spec, name)
-    ways, shares = independent(values, list(changes.values()), SAME)
-    designs = {
-        body: tuple(
-            Derivative(
-                str(k), "number", (), {path: rate for (b, path), rate in each.items() if b == body}
-            )
-            for k, each in enumerate(ways)
-        )
-        for body in spec.packages
-    }
-    packages = {body: replace(each, design=designs[body]) for body, each in spec.packages.items()}
-    return replace(spec, packages=packages), shares
+    return independent(values, list(changes.values()), SAME)
 
 
 class Variant(NamedTuple):
