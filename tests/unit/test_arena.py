@@ -121,5 +121,5 @@ def test_every_code_is_listed_or_says_why_not(monkeypatch: pytest.MonkeyPatch) -
             if not why:
                 assert all("method" in s for s in runner.module.settings(sheet | {"ours": OURS}))
                 able[name].add(runner.name)
-    assert able["beam"] == {"Exudyn", "Plymotion", "SHARPy"}
-    assert able["shell"] == {"CalculiX", "MYSTRAN", "Plymotion"}
+    assert able["beam"] == {"Exudyn", "Kratos", "Plymotion", "SHARPy"}
+    assert able["shell"] == {"CalculiX", "Kratos", "MYSTRAN", "Plymotion"}
