@@ -23,6 +23,7 @@ SAME = 1e-6  # relative difference of volumes that are one
 DELAUNAY = 5  # gmsh's number of this algorithm for surfaces
 MOST_UNKNOWNS = 1_500_000  # of a solid: the matrices of more take tens of gigabytes
 LEAST, PER_MEGABYTE, PER_UNKNOWN = 20.0, 5.0, 2e-4  # time to read and mesh a sound part [s]
+PER_DIAGONAL = 20  # cells of the default size along the diagonal of the part
 PER_TURN = 14  # cells around a full circle: mass and inertia to 1e-4, with 10 to 8e-4
 TETRAHEDRON = np.sqrt(2.0) / 12.0  # volume of a regular one with edges 1
 TRIANGLE = np.sqrt(3.0) / 4.0
@@ -70,7 +71,7 @@ def solid_from_file(
 
     Parameters
     ----------
-    size : of the cells [m], of a CAD file; None: a twentieth of the diagonal
+    size : of the cells [m], of a CAD file; None: PER_DIAGONAL of them
     metres : unit of length of the file [m]; None: that in a STEP or IGES file
     parameters : of a script
     smallest : size over that of the smallest cells, of small radii of a CAD file
@@ -236,7 +237,7 @@ def _set_sizes(path: Path, size: float | None, smallest: float) -> None:
     box = np.reshape(gmsh.model.getBoundingBox(-1, -1), (2, 3))
     extent = box[1] - box[0]
     diagonal = float(np.linalg.norm(extent))
-    size = min(size or diagonal / 20.0, diagonal)  # larger cells than the part there are not
+    size = min(size or diagonal / PER_DIAGONAL, diagonal)  # not larger than the part
     volume, area = (
         sum(gmsh.model.occ.getMass(d, tag) for d, tag in gmsh.model.getEntities(d)) for d in (3, 2)
     )

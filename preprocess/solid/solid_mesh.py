@@ -17,7 +17,7 @@ from ...solver.package.specification import CAD_WITH_UNIT
 from .. import fenicsx
 from ..fenicsx import PlainMesh
 from ..fenicsx.gmsh_alone import GmshEndedError, apart
-from ..fenicsx.gmsh_solid import STEP, CadPart, GmshSolid, solid_from_file
+from ..fenicsx.gmsh_solid import PER_DIAGONAL, STEP, CadPart, GmshSolid, solid_from_file
 from ..mesh_input import is_refused
 from .step import check_step
 
@@ -114,6 +114,9 @@ def face_centre(cell: str, face: int) -> Array:
 # Size over that of the smallest cells. Quadratic cells turn inside out at much smaller radii: then
 # straight ones are tried, and then smaller ones.
 SMALLEST = (8.0, 16.0, 32.0)
+# By default cells become smaller by FINER while the volume is off by more than GAP, which 14 cells
+# around a circle keep, up to MOST_SMALLER unknowns, for which frequencies have error estimates.
+GAP, FINER, MOST_SMALLER = 1e-4, 1.5, 60_000
 THINNEST = 1e-6  # least extent of a solid relative to the largest
 
 
@@ -172,7 +175,10 @@ def solid_mesh(table: Mapping[str, Any], where: str, size: float | None = None) 
     parameters = tuple(sorted(table.get("parameters", {}).items()))
     size = size if size is not None else table.get("size")
     try:
-        return _made(str(path), path.stat().st_mtime_ns, size, unit, parameters)
+        file = str(path), path.stat().st_mtime_ns
+        if size is None:
+            return _close_to_cad(*file, unit, parameters)
+        return _made(*file, size, unit, parameters)
     except OSError as error:
         raise SolidError(f"{where}.file = {str(path)!r}: no such file") from error
     except (fenicsx.MeshError, SolidError) as error:
@@ -197,6 +203,39 @@ def _apart(file: str, *how: Any) -> GmshSolid:
             f"{file}: {end} while it reads or meshes the part; expected closed faces whose "
             "edges follow each other and do not cross (check and export it in the CAD program)"
         ) from None
+
+
+@lru_cache(maxsize=4)
+def _close_to_cad(
+    file: str, changed: int, unit: float | None, parameters: tuple[Any, ...]
+) -> SolidMesh:
+    """The mesh with cells of the default size, or of the smaller size that its curved faces need.
+
+    The faces of thin parts need it: cells as large as a wall turn inside out on faces that are
+    curved, so that their edges stay straight.
+    """
+    mesh = _made(file, changed, None, unit, parameters)
+    size = float(np.linalg.norm(np.ptp(mesh.plain.points, axis=0))) / PER_DIAGONAL
+    while mesh.exact and (gap := _volume_gap(mesh)) > GAP:
+        size /= FINER
+        finer = _made(file, changed, size, unit, parameters)
+        small = 3 * len(finer.plain.points) <= MOST_SMALLER
+        if not small or _volume_gap(finer) > 0.5 * gap:  # OpenCASCADE's volume may be wrong
+            break
+        mesh = finer
+    return mesh
+
+
+def _volume_gap(mesh: SolidMesh) -> float:
+    """Difference of the volume of the cells from that of the CAD geometry, over the latter."""
+    at, weights = fenicsx.quadrature(mesh.plain.cell, 3)  # the determinant has degree 3
+    x = mesh.plain.points[mesh.plain.cells]
+    volume = 0.0
+    for place, weight in zip(at, weights, strict=True):
+        J = np.einsum("ak,ckx->cax", derivatives(mesh.plain.cell, place), x)
+        volume += weight * np.linalg.det(J).sum()
+    exact = sum(part.volume for part in mesh.exact)
+    return abs(volume / exact - 1.0)
 
 
 @lru_cache(maxsize=4)

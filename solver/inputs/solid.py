@@ -31,7 +31,8 @@ class SolidMesh(Table):
         "hexahedra: gmsh's .msh, MED, or another that meshio reads"
     )
     size: float | None = optional(
-        "of the cells of a CAD file, smaller at small radii; absent: a twentieth of the diagonal",
+        "of the cells of a CAD file, smaller at small radii; absent: a twentieth of the "
+        "diagonal, or less if the volume of a thin curved part needs it (docs/solids.md)",
         "m",
         gt=0,
     )

@@ -82,6 +82,31 @@ def test_inertia_is_that_of_the_cad_geometry(
     assert_inertia(model, one_body(parts, [material["rho"]], length))
 
 
+def _blade(occ: Any) -> None:
+    above = [(-0.5, 0.0), (-0.2, 0.08), (0.1, 0.07), (0.5, 0.005)]
+    below = [(0.5, -0.005), (0.1, -0.03), (-0.2, -0.04)]
+    wires = []
+    for k in range(4):
+        chord, turn = 30.0 - 5.0 * k, np.exp(1j * np.deg2rad(10.0 * k))
+        places = [chord * turn * complex(*place) for place in above + below]
+        points = [occ.addPoint(z.real, z.imag, 40.0 * k) for z in places]
+        curves = [occ.addSpline(points[:4]), occ.addLine(points[3], points[4])]
+        wires.append(occ.addWire([*curves, occ.addSpline([*points[4:], points[0]])]))
+    occ.addThruSections(wires, makeSolid=True)
+
+
+def test_default_cells_fit_thin_curved_parts(tmp_path: Path) -> None:
+    """A twentieth of the diagonal is larger than the wall: its mass is off by 1e-3."""
+    file = tmp_path / "blade.step"
+    (part,) = step_file(file, _blade)
+    exact = ALUMINIUM["rho"] * 1e-9 * part.volume
+    for size, off in ((None, False), (0.0062, True)):
+        body = model_of(file, size).body
+        x = body.rigid_motions()[:, 0]
+        assert len(x) < 20_000
+        assert (abs(x @ body.M @ x / exact - 1.0) > RTOL) == off
+
+
 @pytest.mark.parametrize("draw", [bracket, tube])
 @pytest.mark.parametrize(("name", "length"), [("part.brep", 1e-3), ("PART.BREP", 0.0254)])
 def test_brep_files_are_in_the_unit_that_is_given(

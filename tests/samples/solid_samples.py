@@ -115,7 +115,7 @@ def one_body(parts: list[Rigid], density: list[float], length: float) -> tuple[f
     return float(mass.sum()), centre, J
 
 
-def model_of(file: Path, size: float, material: Any = ALUMINIUM, **more: Any) -> SolidModel:
+def model_of(file: Path, size: float | None, material: Any = ALUMINIUM, **more: Any) -> SolidModel:
     """One material everywhere; `more`: interfaces, region, unit."""
     mesh = {"file": str(file), "size": size}
     if "unit" in more:
