@@ -75,7 +75,8 @@ class Checking:
         rtol, reactions = self.accuracy / max(by_size, by_kind), REACTION in kinds.values()
         self._ladder = reactions or (by_size > by_kind and rtol < TIGHT)
         self._steps = 2 if reactions else 1
-        self._rtol = rtol / LADDER ** (self._steps - 1)
+        self._rtol = min(rtol / LADDER ** (self._steps - 1), TIGHT)
+        self._looser = int(np.log(TIGHT / self._rtol) / np.log(LADDER))  # checks above it
         self._checks = [answer.check] if answer.check is not None else []
         self.ranked = {name: answer.study.indicators.ranked(name) for name in answer.plan.bodies}
         self._known: list[Trial] = []  # of the last split: one of them may be the next model
@@ -173,19 +174,20 @@ class Checking:
         """Tell whether no change is known, or no check has the tolerance of the plan."""
         return len(self._checks) <= self._steps or self._checks[-1].plan.rtol > plan.rtol
 
+    def _tolerance(self, count: int) -> float:
+        """Return the tolerance of the check after `count` others; one of them is `_rtol` itself."""
+        return max(self._rtol * LADDER ** (self._looser - count), TIGHTEST)
+
     def _next_check(self, plan: Plan) -> bool:
         """Run a check of the next tolerance; False if the budget does not allow it."""
-        checks, rtol = self._checks, self._rtol
+        checks = self._checks
+        rtol = self._tolerance(len(checks))
         if checks:
             last = checks[-1]
-            rtol = max(last.plan.rtol / LADDER, TIGHTEST)
             if rtol == last.plan.rtol or not last.complete or self._cost() > self.left():
                 return False
-        else:
-            while rtol * LADDER <= TIGHT:  # the first one is cheap
-                rtol *= LADDER
         with self._timed("check"):
-            check = self.run(replace(plan, rtol=min(rtol, TIGHT)))
+            check = self.run(replace(plan, rtol=rtol))
         if check is not None:
             self.answer.check = check
             checks.append(check)
