@@ -252,28 +252,4 @@ class Section:
         return table(["K", *RESULTANTS], rows, repr(self).strip("<>")) + picture(self.data.mesh)
 
 
-def section(
-    file: str | Path,
-    changes: Mapping[str, Any] | None = None,
-    *,
-    derivatives: Iterable[str] | Mapping[str, Mapping[str, float]] = (),
-    out: str | Path = BUILD,
-    force: bool = False,
-) -> Section:
-    """Return `Section.from_file` of the same arguments.
-
-    Parameters
-    ----------
-    file : description (TOML) or results (.vtkhdf)
-    changes : dotted keys of the description and their values
-    derivatives : parameters of the derivatives, as keys or as factors by key
-    out : folder of the results
-    force : analyse even if results are up to date
-
-    Examples
-    --------
-    >>> import plymotion as pm
-    >>> pm.section("bar.vtkhdf").name
-    'bar'
-    """
-    return Section.from_file(file, changes, derivatives=derivatives, out=out, force=force)
+section = Section.from_file

@@ -2,8 +2,8 @@
 
 from collections.abc import Iterable, Sequence
 from html import escape
+from importlib import import_module
 from numbers import Real
-from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -82,21 +82,9 @@ def curve(t: Array, values: Array, width: int = 260, height: int = 48) -> Markup
     return Markup(f"<svg {size}>{path}</svg>")
 
 
-def pandas() -> ModuleType:
-    """Return the package pandas.
-
-    Raises
-    ------
-    ImportError
-        It is not installed; the message says how to install it.
-    """
-    try:
-        import pandas as module
-    except ImportError as error:
-        raise ImportError(
-            "to_pandas() needs pandas, which is not installed; expected pip install pandas"
-        ) from error
-    return module
+def pandas() -> Any:
+    """Return the package pandas. Raises ImportError with words on how to install it."""
+    return _installed("pandas", "to_pandas()")
 
 
 class Signal:
@@ -341,10 +329,15 @@ def signals_table(signals: list[Signal], caption: str = "") -> str:
 
 def pyplot() -> Any:
     """Return matplotlib's pyplot. Raises ImportError with words on how to install it."""
+    return _installed("matplotlib.pyplot", "plot()")
+
+
+def _installed(module: str, caller: str) -> Any:
+    """Import a module. Raises ImportError with the `caller` that needs it."""
     try:
-        from matplotlib import pyplot as module
+        return import_module(module)
     except ImportError as error:
+        package = module.partition(".")[0]
         raise ImportError(
-            "plot() needs matplotlib, which is not installed; expected pip install matplotlib"
+            f"{caller} needs {package}, which is not installed; expected pip install {package}"
         ) from error
-    return module

@@ -317,8 +317,8 @@ def test_newtons_matrix_against_differences(tmp_path, kind, keys):
     for p, j in enumerate(q.coupled_state):
         by_z = slope(first + j)
         found = [-by_z[0], by_x[1 + j], by_v[1 + j]]
-        np.testing.assert_allclose(frozen.coupled[p], found, rtol=1e-6, atol=1e-7)
-        assert frozen.auxiliary[j] == pytest.approx(by_z[1 + j], rel=1e-6, abs=1e-7)
+        np.testing.assert_allclose(frozen.feedback.coupled[p], found, rtol=1e-6, atol=1e-7)
+        assert frozen.feedback.auxiliary[j] == pytest.approx(by_z[1 + j], rel=1e-6, abs=1e-7)
     one, two = model.force_marker[0]
     g = work.g[q.along[0]]
     found = g[6:9] @ work.J_m[two, :3, :6] + g[9:] @ work.J_m[two, 3:, :6]

@@ -137,7 +137,7 @@ def test_slopes_against_differences(tmp_path):
     assert q.feedback.tolist() == [0, 1, 2]
     found(y, multipliers)
     freeze(model, work, t, y, frozen)
-    fed, by_mu = frozen.feedback
+    fed, by_mu = frozen.feedback.fed, frozen.feedback.by_reactions
     np.testing.assert_allclose(fed[0, 0, 1, 0], slope(7, False)[0], rtol=1e-6)
     np.testing.assert_allclose(fed[0, 1, 1, 0], slope(model.n_pos + 6, False)[0], rtol=1e-6)
     np.testing.assert_allclose(fed[1, 0, 0, 0], slope(0, False)[1], rtol=1e-6)

@@ -21,7 +21,7 @@ so that the row of the force (pencil.py) holds k + s c + F_z (phi_e + s phi_v) /
 place of k + s c. Other dependence on states is left to the iteration.
 """
 
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
@@ -29,28 +29,38 @@ from ...dynamics.evaluation.elimination import solve
 from ...dynamics.evaluation.evaluation import reaction_slope
 from ...dynamics.evaluation.laws import auxiliary_rate
 from ...dynamics.model.model import Factors, Model, Workspace
-from ...math.arrays import Array
+from ...math.arrays import Array, zeros_of
 from ...math.compiled import inlined, lean, structure
 from ...math.expressions.program import NO_SEED, evaluated
 
 OF_FORCE, OF_VALUE, OF_RATE = 0, 1, 2  # F_z, phi_e, phi_v
+BY_VALUE, BY_RATE = 0, 1
+
+
+@structure
+class Feedback(NamedTuple):
+    """Slopes at one place of a step: of states by themselves; of forces by their own states and
+    the reverse; of -F of the r forces `feedback`, then of the rates of the states
+    `coupled_state`, by other coordinates."""
+
+    auxiliary: Annotated[Array, "na"]  # phi_z [1/s]
+    coupled: Annotated[Array, "nz, 3"]  # F_z, phi_e, phi_v
+    fed: Annotated[Array, "rows, 2, nb, n"]  # by value and by rate
+    by_reactions: Annotated[Array, "r, n_c"]  # by the multipliers
 
 
 @lean
-def freeze_states(
-    model: Model, work: Workspace, t: float, auxiliary: Array, coupled: Array
-) -> None:
-    """Fill auxiliary (na,) with phi_z and coupled (n, 3) with F_z, phi_e, phi_v at time t.
+def freeze_states(model: Model, work: Workspace, t: float, feedback: Feedback) -> None:
+    """Fill the slopes of forces by their own states, and of these, at time t.
 
     Parameters
     ----------
     model : arrays of the mechanism (dynamics/model/model.py)
     work : memory of one evaluation
     t : time [s]
-    auxiliary : phi_z (na,), to fill
-    coupled : F_z, phi_e, phi_v (n, 3), to fill
+    feedback : slopes, of which `auxiliary` and `coupled` are filled
     """
-    q = model.quantities
+    q, auxiliary, coupled = model.quantities, feedback.auxiliary, feedback.coupled
     n = q.kind.shape[0]
     for j in range(model.n_aux):
         _, auxiliary[j] = auxiliary_rate(q, j, t, work.quantity)
@@ -65,27 +75,20 @@ def freeze_states(
 
 @inlined
 def hold_states(
-    model: Model,
-    auxiliary: Array,
-    coupled: Array,
-    s: complex,
-    stiffness: float,
-    first: int,
-    hold: Array,
+    model: Model, feedback: Feedback, s: complex, stiffness: float, first: int, hold: Array
 ) -> None:
     """Add what states hold to the rows of force elements, from `first` on, times `stiffness`.
 
     Parameters
     ----------
     model : arrays of the mechanism (dynamics/model/model.py)
-    auxiliary : derivative of each auxiliary state's rate by itself (na,) [1/s]
-    coupled : F_z, phi_e, phi_v of forces with states of their own (n, 3)
+    feedback : slopes of the forces with feedback, and of their own states
     s : rate per change, of the method over the step size [1/s]
     stiffness : factor of the stiffness in the matrix
     first : first row of the force elements
     hold : stiffness of each row, added to
     """
-    q = model.quantities
+    q, auxiliary, coupled = model.quantities, feedback.auxiliary, feedback.coupled
     for p in range(coupled.shape[0]):
         row = first + model.layout.element_start[q.coupled_force[p]]
         moved = coupled[p, OF_VALUE] + s * coupled[p, OF_RATE]
@@ -96,8 +99,7 @@ def hold_states(
 @inlined
 def left_of_states(
     model: Model,
-    auxiliary: Array,
-    coupled: Array,
+    feedback: Feedback,
     J: Array,
     r: Array,
     rho: Array,
@@ -110,8 +112,7 @@ def left_of_states(
     Parameters
     ----------
     model : arrays of the mechanism (dynamics/model/model.py)
-    auxiliary : derivative of each auxiliary state's rate by itself (na,) [1/s]
-    coupled : F_z, phi_e, phi_v of forces with states of their own (n, 3)
+    feedback : slopes of the forces with feedback, and of their own states
     J : Jacobians by bodies (nb, n, r), columns of elements included
     r : residuals of the rates (n,)
     rho : residuals of positions by bodies (nb, n)
@@ -119,7 +120,7 @@ def left_of_states(
     first : first row of the force elements
     gamma : right-hand sides of the rows (n_r,), changed
     """
-    q = model.quantities
+    q, auxiliary, coupled = model.quantities, feedback.auxiliary, feedback.coupled
     for p in range(coupled.shape[0]):
         k, j = q.coupled_force[p], q.coupled_state[p]
         row, left = first + model.layout.element_start[k], r[model.n_pos + model.n_vel + j]
@@ -136,8 +137,7 @@ def left_of_states(
 @inlined
 def move_states(
     model: Model,
-    auxiliary: Array,
-    coupled: Array,
+    feedback: Feedback,
     J: Array,
     r: Array,
     rho: Array,
@@ -150,8 +150,7 @@ def move_states(
     Parameters
     ----------
     model : arrays of the mechanism (dynamics/model/model.py)
-    auxiliary : derivative of each auxiliary state's rate by itself (na,) [1/s]
-    coupled : F_z, phi_e, phi_v of forces with states of their own (n, 3)
+    feedback : slopes of the forces with feedback, and of their own states
     J : Jacobians by bodies (nb, n, r), columns of elements included
     r : residuals of the rates (n,)
     rho : residuals of positions by bodies (nb, n)
@@ -160,6 +159,7 @@ def move_states(
     delta : change of the state (n,), filled at the auxiliary states
     """
     q, first = model.quantities, model.n_pos + model.n_vel
+    auxiliary, coupled = feedback.auxiliary, feedback.coupled
     for j in range(model.n_aux):
         delta[first + j] = r[first + j] / (s - auxiliary[j])
     for p in range(coupled.shape[0]):
@@ -175,18 +175,6 @@ def move_states(
                     delta[first + j] += J[body, b, at] * moved
 
 
-BY_VALUE, BY_RATE = 0, 1
-
-
-@structure
-class Feedback(NamedTuple):
-    """Slopes at one place of a step: of -F of the r forces `feedback`, then of the rates of the
-    states `coupled_state`."""
-
-    fed: Array  # (r + nc, 2, nb, n) by value and by rate of other coordinates
-    by_reactions: Array  # (r, n_c) by the multipliers
-
-
 @structure
 class Answers(NamedTuple):
     """Answers of a pencil to a unit of each force with feedback."""
@@ -199,11 +187,10 @@ class Answers(NamedTuple):
 
 def new_feedback(model: Model) -> Feedback:
     """Return memory."""
-    r, n_coupled = model.quantities.feedback.shape[0], model.quantities.coupled_force.shape[0]
-    rows = r + n_coupled if r else 0
-    return Feedback(
-        np.zeros((rows, 2, model.n_body, model.layout.widest)), np.zeros((r, model.n_constraint))
-    )
+    r, nz = model.quantities.feedback.shape[0], model.quantities.coupled_force.shape[0]
+    sizes = {"na": model.n_aux, "nz": nz, "rows": r + nz if r else 0, "r": r}
+    sizes |= {"nb": model.n_body, "n": model.layout.widest, "n_c": model.n_constraint}
+    return zeros_of(Feedback, sizes)
 
 
 def new_answers(model: Model, one: Any) -> Answers:
@@ -299,8 +286,6 @@ def followed(s: complex, of: Array, x: Array, rho: Array, lagging: float) -> com
 def change_of_force(
     model: Model,
     feedback: Feedback,
-    auxiliary: Array,
-    coupled: Array,
     i: int,
     s: complex,
     x: Array,
@@ -314,8 +299,6 @@ def change_of_force(
     ----------
     model : arrays of the mechanism (dynamics/model/model.py)
     feedback : slopes of the forces with feedback
-    auxiliary : derivative of each auxiliary state's rate by itself (na,) [1/s]
-    coupled : F_z, phi_e, phi_v of forces with states of their own (n, 3)
     i : number of the feedback
     s : rate per change, of the method over the step size [1/s]
     x : change of positions by bodies (nb, n)
@@ -330,7 +313,8 @@ def change_of_force(
     for p in range(q.coupled_force.shape[0]):
         if q.coupled_force[p] == q.feedback[i]:
             moved = followed(s, fed[q.feedback.shape[0] + p], x, rho, lagging)
-            total += coupled[p, OF_FORCE] * moved / (s - auxiliary[q.coupled_state[p]])
+            rate = s - feedback.auxiliary[q.coupled_state[p]]
+            total += feedback.coupled[p, OF_FORCE] * moved / rate
     return total
 
 
@@ -342,8 +326,6 @@ def answer_forces(
     load: Array,
     gamma: Array,
     feedback: Feedback,
-    auxiliary: Array,
-    coupled: Array,
     s: complex,
     answers: Answers,
 ) -> None:
@@ -357,8 +339,6 @@ def answer_forces(
     load : memory by bodies (nb, n), zero on return
     gamma : memory (n_r,), zero on return
     feedback : slopes of the forces with feedback
-    auxiliary : derivative of each auxiliary state's rate by itself (na,) [1/s]
-    coupled : F_z, phi_e, phi_v of forces with states of their own (n, 3)
     s : rate per change, of the method over the step size [1/s]
     answers : answers to a unit of each force, to fill
     """
@@ -377,7 +357,7 @@ def answer_forces(
     for i in range(n):
         for j in range(n):
             x, mu = answers.x[j], answers.mu[j]
-            w = change_of_force(model, feedback, auxiliary, coupled, i, s, x, x, 0.0, mu)
+            w = change_of_force(model, feedback, i, s, x, x, 0.0, mu)
             both[i, j] = -w
         both[i, i] += 1.0
         both[i, n + i] = 1.0
@@ -386,15 +366,7 @@ def answer_forces(
 
 @lean
 def add_feedback(
-    model: Model,
-    feedback: Feedback,
-    auxiliary: Array,
-    coupled: Array,
-    s: complex,
-    answers: Answers,
-    x: Array,
-    rho: Array,
-    mu: Array,
+    model: Model, feedback: Feedback, s: complex, answers: Answers, x: Array, rho: Array, mu: Array
 ) -> None:
     """Add what forces with feedback do to the answer x (nb, n), mu (n_r,) of a pencil.
 
@@ -402,8 +374,6 @@ def add_feedback(
     ----------
     model : arrays of the mechanism (dynamics/model/model.py)
     feedback : slopes of the forces with feedback
-    auxiliary : derivative of each auxiliary state's rate by itself (na,) [1/s]
-    coupled : F_z, phi_e, phi_v of forces with states of their own (n, 3)
     s : rate per change, of the method over the step size [1/s]
     answers : answers to a unit of each force
     x : answer by bodies (nb, n), changed
@@ -412,9 +382,7 @@ def add_feedback(
     """
     n = model.quantities.feedback.shape[0]
     for i in range(n):
-        answers.change[i] = change_of_force(
-            model, feedback, auxiliary, coupled, i, s, x, rho, 1.0, mu
-        )
+        answers.change[i] = change_of_force(model, feedback, i, s, x, rho, 1.0, mu)
     for i in range(n):
         c = 0.0 * s
         for j in range(n):
@@ -428,13 +396,7 @@ def add_feedback(
 
 @lean
 def move_fed_states(
-    model: Model,
-    feedback: Feedback,
-    auxiliary: Array,
-    s: complex,
-    x: Array,
-    rho: Array,
-    delta: Array,
+    model: Model, feedback: Feedback, s: complex, x: Array, rho: Array, delta: Array
 ) -> None:
     """Add to delta (n,) what states follow of coordinates other than their force's own.
 
@@ -442,7 +404,6 @@ def move_fed_states(
     ----------
     model : arrays of the mechanism (dynamics/model/model.py)
     feedback : slopes of the forces with feedback
-    auxiliary : derivative of each auxiliary state's rate by itself (na,) [1/s]
     s : rate per change, of the method over the step size [1/s]
     x : change of positions by bodies (nb, n)
     rho : residuals of positions by bodies (nb, n)
@@ -452,7 +413,7 @@ def move_fed_states(
     for p in range(q.coupled_force.shape[0]):
         j = q.coupled_state[p]
         moved = followed(s, feedback.fed[q.feedback.shape[0] + p], x, rho, 1.0)
-        delta[first + j] += moved / (s - auxiliary[j])
+        delta[first + j] += moved / (s - feedback.auxiliary[j])
 
 
 @lean

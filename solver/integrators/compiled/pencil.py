@@ -14,7 +14,7 @@ by one system of the same structure as that of the mass matrix:
     Phi_q x = (c + (s + 2 alpha) Phi_q rho) / (s^2 + 2 alpha s + beta^2),
     g x - m / (k + s c) = (e + c g rho) / (k + s c),
     delta v = s x - rho,   delta q = G x + (r_q - G rho) / s,
-    delta z of auxiliary states as in coupled_states.py,
+    delta z of auxiliary states as in feedback.py,
 
 with the feedback alpha, beta of Baumgarte's treatment in c: without it in the matrix, Newton's
 iteration would converge only where steps are much shorter than 1 / alpha and 1 / beta. Forces of
@@ -85,9 +85,6 @@ class Frozen(NamedTuple):
     p: Annotated[Array, "nb, 4"]
     stiffness: Annotated[Array, "n_e"]  # of the rows of force elements [N/m, N m/rad]
     damping: Annotated[Array, "n_e"]  # [N s/m, N m s/rad]
-    # derivatives of the rates of auxiliary states by themselves [1/s]
-    auxiliary: Annotated[Array, "na"]
-    coupled: Annotated[Array, "nz, 3"]  # of forces with states of their own (feedback.py)
     feedback: Feedback
     # of rotations and modes, lower triangles; 0: not in use (tension.py)
     tension: Annotated[Array, "nb, n, n"]
@@ -106,9 +103,8 @@ def new_frozen(model: Model) -> Frozen:
     """Return memory; the rows of added inertia are filled once for all."""
     layout = model.layout
     nb, n, n_e = model.n_body, layout.widest, layout.element_row.shape[0]
-    sizes = {"nb": nb, "n": n, "n_e": n_e, "r": layout.newton.most_rows, "na": model.n_aux}
-    sizes |= {"n_c": model.n_constraint, "nz": model.quantities.coupled_force.shape[0]}
-    frozen = zeros_of(Frozen, sizes, feedback=new_feedback(model))
+    sizes = {"nb": nb, "n": n, "n_e": n_e, "r": layout.newton.most_rows}
+    frozen = zeros_of(Frozen, sizes | {"n_c": model.n_constraint}, feedback=new_feedback(model))
     place_added_rows(model, frozen.J)
     return frozen
 
@@ -141,7 +137,7 @@ def freeze(model: Model, work: Workspace, t: float, y: Array, frozen: Frozen) ->
     if layout.element_row.shape[0] > 0:
         freeze_elements(model, work, frozen.stiffness, frozen.damping, frozen.J)
     if model.n_aux > 0:
-        freeze_states(model, work, t, frozen.auxiliary, frozen.coupled)
+        freeze_states(model, work, t, frozen.feedback)
     if model.quantities.feedback.shape[0] > 0:
         freeze_feedback(model, work, t, frozen.feedback)
 
@@ -196,7 +192,7 @@ def _factorise(
     for k in range(frozen.stiffness.shape[0]):
         softness[first + k] = stiffness * frozen.stiffness[k] + damping * frozen.damping[k]
     s = damping / stiffness if abs(damping) > 0.0 else abs(mass / stiffness) ** 0.5
-    hold_states(model, frozen.auxiliary, frozen.coupled, s, stiffness, first, softness)
+    hold_states(model, frozen.feedback, s, stiffness, first, softness)
     for k in range(first, first + frozen.stiffness.shape[0]):
         hold = softness[k]
         softness[k] = 1.0 / hold if abs(hold) > NOTHING else 1.0 / NOTHING
@@ -215,18 +211,9 @@ def factorise_feedback(model: Model, frozen: Frozen, pencil: Pencil, s: complex)
     s : rate per change, of the method over the step size [1/s]
     """
     if model.quantities.feedback.shape[0] > 0:
-        answer_forces(
-            model,
-            pencil.factors,
-            pencil.softness,
-            pencil.load,
-            pencil.gamma,
-            frozen.feedback,
-            frozen.auxiliary,
-            frozen.coupled,
-            s,
-            pencil.answers,
-        )
+        load, gamma, softness = pencil.load, pencil.gamma, pencil.softness
+        factors, answers = pencil.factors, pencil.answers
+        answer_forces(model, factors, softness, load, gamma, frozen.feedback, s, answers)
 
 
 @inlined
@@ -244,17 +231,7 @@ def fed_back(
     x : answer by bodies (nb, n), changed
     rho : residuals of positions by bodies (nb, n)
     """
-    add_feedback(
-        model,
-        frozen.feedback,
-        frozen.auxiliary,
-        frozen.coupled,
-        s,
-        pencil.answers,
-        x,
-        rho,
-        pencil.mu,
-    )
+    add_feedback(model, frozen.feedback, s, pencil.answers, x, rho, pencil.mu)
 
 
 @lean
@@ -270,14 +247,8 @@ def solve_pencil(model: Model, frozen: Frozen, pencil: Pencil, s: complex) -> No
     pencil : factorised matrix with right-hand sides load, gamma and r
     s : rate per change, of the method over the step size [1/s]
     """
-    load, rho, x, gamma, r, delta = (
-        pencil.load,
-        pencil.rho,
-        pencil.x,
-        pencil.gamma,
-        pencil.r,
-        pencil.delta,
-    )
+    load, rho, x, delta = pencil.load, pencil.rho, pencil.x, pencil.delta
+    gamma, r = pencil.gamma, pencil.r
     n_pos, layout = model.n_pos, model.layout
     row_start, body_row = layout.row_start, layout.body_row
     fed = s + 2.0 * model.alpha
@@ -321,7 +292,7 @@ def solve_pencil(model: Model, frozen: Frozen, pencil: Pencil, s: complex) -> No
                     for b in range(layout.size[body]):
                         lost = frozen.damping[begin + p] * rho[body, b]
                         gamma[e + begin + p] += J[b, first + p] * lost
-    left_of_states(model, frozen.auxiliary, frozen.coupled, frozen.J, r, rho, s, e, gamma)
+    left_of_states(model, frozen.feedback, frozen.J, r, rho, s, e, gamma)
     for k in range(frozen.damping.shape[0]):
         gamma[e + k] *= pencil.softness[e + k]
     solve(layout, layout.newton, pencil.factors, load, gamma, x, pencil.mu)
@@ -330,9 +301,9 @@ def solve_pencil(model: Model, frozen: Frozen, pencil: Pencil, s: complex) -> No
     feeds = model.quantities.feedback.shape[0] > 0
     if feeds:
         fed_back(model, frozen, pencil, s, x, rho)
-    move_states(model, frozen.auxiliary, frozen.coupled, frozen.J, r, rho, x, s, delta)
+    move_states(model, frozen.feedback, frozen.J, r, rho, x, s, delta)
     if feeds:
-        move_fed_states(model, frozen.feedback, frozen.auxiliary, s, x, rho, delta)
+        move_fed_states(model, frozen.feedback, s, x, rho, delta)
     c = 1.0 / s
     for i in range(layout.size.shape[0]):
         m = model.n_mode[i]

@@ -83,14 +83,6 @@ ROUNDING = 1e-6  # of the stresses across the shell: resultants below are those 
 
 
 @dataclass(frozen=True)
-class LaminatePlies:
-    """Extremes of the plies of one laminate under one load case."""
-
-    laminate: str
-    plies: list[PlyExtreme]  # bottom one first
-
-
-@dataclass(frozen=True)
 class CaseFindings:
     """Summary of a load case of a shell."""
 
@@ -101,15 +93,15 @@ class CaseFindings:
     load_G: Array  # (6,) about the origin                  [N, N m]
     reactions_G: Array  # (6,) sum of all, about the origin  [N, N m]
     imbalance: float  # |load + reactions| over the larger of their parts [-]
-    laminates: list[LaminatePlies]
+    plies: dict[str, list[PlyExtreme]]  # of each laminate, bottom one first
 
     @property
-    def weakest(self) -> tuple[LaminatePlies, PlyExtreme, Reserve] | None:
+    def weakest(self) -> tuple[str, PlyExtreme, Reserve] | None:
         """Laminate, ply and criterion of the least strength ratio; None without strengths."""
         known = [
             (laminate, ply, reserve)
-            for laminate in self.laminates
-            for ply in laminate.plies
+            for laminate, plies in self.plies.items()
+            for ply in plies
             for reserve in ply.reserves
         ]
         return min(known, key=lambda entry: entry[2].ratio, default=None)
@@ -137,7 +129,7 @@ def case_findings(shell: ShellFile) -> list[CaseFindings]:
                 load,
                 reactions,
                 imbalance(shell, row, load, reactions),
-                [_plies(shell, row, number, known) for number in _used(shell)],
+                {shell.laminates[n].name: _plies(shell, row, n, known) for n in _used(shell)},
             )
         )
     return findings_of_cases
@@ -201,10 +193,10 @@ def _used(shell: ShellFile) -> list[int]:
 
 def _plies(
     shell: ShellFile, case: int, number: int, known: Mapping[str, PlyStrength | YieldStrength]
-) -> LaminatePlies:
+) -> list[PlyExtreme]:
     laminate = shell.laminates[number]
     cells = np.flatnonzero(shell.mesh.laminate[shell.mesh.region] == number)
-    extremes = ply_extremes(
+    return ply_extremes(
         [ply.material for ply in laminate.plies],
         [ply.angle_deg for ply in laminate.plies],
         laminate.stress_M,
@@ -212,7 +204,6 @@ def _plies(
         cells,
         known,
     )
-    return LaminatePlies(laminate.name, extremes)
 
 
 Shown = TypeVar("Shown")
@@ -351,8 +342,7 @@ def _case(shell: ShellFile, case: CaseFindings) -> dict[str, object]:
         "residual": float(shell.cases.residual[row]),
         "probes": probes,
         "plies": {
-            laminate.laminate: [_ply(shell, ply) for ply in laminate.plies]
-            for laminate in case.laminates
+            laminate: [_ply(shell, ply) for ply in plies] for laminate, plies in case.plies.items()
         },
         "strength_ratio": None if case.weakest is None else _finite(case.weakest[2].ratio),
     }

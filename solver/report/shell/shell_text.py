@@ -175,15 +175,15 @@ def _case(shell: ShellFile, case: CaseFindings) -> list[str]:
         f"{'Probe':16}{name} {quantity} = {value:.6g} {UNITS[quantity[0]]}"
         for name, quantity, value in probes
     ]
-    for laminate in case.laminates:
-        lines += _plies(laminate.laminate, laminate.plies)
+    for laminate, plies in case.plies.items():
+        lines += _plies(laminate, plies)
     weakest = case.weakest
     if weakest is not None and np.isfinite(weakest[2].ratio):
-        of, ply, reserve = weakest
+        laminate, ply, reserve = weakest
         x, y, z = centre_of(shell, reserve)
         lines.append(
             f"{'Least strength':16}ratio R = {reserve.ratio:.4g} by {reserve.criterion} "
-            f"({reserve.mode}), {of.laminate} ply {ply.ply}, {reserve.place[1]},"
+            f"({reserve.mode}), {laminate} ply {ply.ply}, {reserve.place[1]},"
         )
         lines.append(f"{'':16}near ({x:.4g}, {y:.4g}, {z:.4g}) m")
     return lines
