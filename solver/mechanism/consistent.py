@@ -514,7 +514,8 @@ def _velocities(
     if n_c == 0 or clearly_independent(model, y):  # the time is linear in the bodies
         given = np.flatnonzero(~free)
         velocity = least_energy(model, 0.0, y, given, v[given])
-        moving = np.concatenate([y[: model.n_pos], velocity, [0.0]])
+        moving = y.copy()
+        moving[model.n_pos : model.n_pos + model.n_vel] = velocity
         violation = np.abs(balance(model, np.zeros(1), moving[None]).Phi_d).max(initial=0.0)
         if violation < POSITION_TOLERANCE * max(1.0, float(np.abs(velocity).max())):
             return velocity

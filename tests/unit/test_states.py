@@ -7,7 +7,9 @@ import pytest
 from samples.case_samples import run_text
 from scipy.integrate import solve_ivp
 
+from plymotion.solver.dynamics.model.model import state_size
 from plymotion.solver.errors import InputError
+from plymotion.solver.mechanism import consistent
 
 TEXT = """
 [parameters]
@@ -39,6 +41,19 @@ expression = "state('twice')"
 f = { kind = "force", of = "f" }
 g = { kind = "force", of = "g" }
 """
+
+
+def test_velocities_of_the_start_are_checked_with_all_states(tmp_path, monkeypatch):
+    """Compiled code reads past the end of a state that lacks them, without an error."""
+    lengths, balance = set(), consistent.balance
+
+    def noted(model, times, states):
+        lengths.add(states.shape[1] - state_size(model))
+        return balance(model, times, states)
+
+    monkeypatch.setattr(consistent, "balance", noted)
+    run_text(tmp_path, TEXT, t_end=0.1, step=0.1)
+    assert lengths == {0}
 
 
 def test_two_filters_in_a_row(tmp_path):
