@@ -211,37 +211,21 @@ class Pattern:
     """
 
     def __init__(self, dofs: IntTable, n_node: int) -> None:
-        k = dofs.shape[1]
-        self.n_dof = 3 * n_node
-        self._k = k
-        count = dofs.size * k
-        # SciPy's conversions between rows and columns sort the entries of all cells by pairs, in a
-        # quarter of the time of np.unique
-        entry, ends = np.arange(count, dtype=np.int32), np.arange(0, count + 1, k, dtype=np.int32)
-        by_column = sp.csr_matrix(
-            (entry, np.tile(dofs, (1, k)).ravel(), ends), shape=(dofs.size, n_node)
-        ).tocsc()
-        pairs = sp.csc_matrix(
-            (by_column.data, dofs.ravel()[by_column.indices], by_column.indptr),
-            shape=(n_node, n_node),
-        ).tocsr()
-        row = np.repeat(np.arange(n_node), np.diff(pairs.indptr))
-        first = np.flatnonzero(
-            np.diff(row, prepend=-1).astype(bool) | np.diff(pairs.indices, prepend=-1).astype(bool)
-        )
-        self._n_pair = first.size
+        self._k, self.n_dof = dofs.shape[1], 3 * n_node
+        # the pair of nodes of each entry of the cells, as row n + column
+        pairs = (dofs[:, :, None].astype(np.int64) * n_node + dofs[:, None]).ravel()
+        order = np.argsort(pairs, kind="stable")
+        first = np.flatnonzero(np.diff(pairs[order], prepend=-1))
+        row, column = np.divmod(pairs[order[first]], n_node)
+        self._n_pair, count = len(first), len(pairs)
         # (n_pair, n_cell k^2): sums the entries of the cells for the same pair
         self._sum = sp.csr_matrix(
-            (np.ones(count), pairs.data, np.append(first, count).astype(np.int32)),
-            shape=(first.size, count),
+            (np.ones(count), order, np.append(first, count)), shape=(self._n_pair, count)
         )
         # SciPy's conversion from blocks to rows gives the position of each entry
-        start = np.searchsorted(row[first], np.arange(n_node + 1)).astype(np.int32)
-        number = np.arange(9 * first.size, dtype=np.int32).reshape(-1, 3, 3)
-        blocks = sp.bsr_matrix(
-            (number, pairs.indices[first], start), shape=(self.n_dof, self.n_dof)
-        )
-        whole = blocks.tocsr()
+        start = np.searchsorted(row, np.arange(n_node + 1))
+        number = np.arange(9 * self._n_pair, dtype=np.int32).reshape(-1, 3, 3)
+        whole = sp.bsr_matrix((number, column, start), shape=(self.n_dof, self.n_dof)).tocsr()
         self._order = whole.data.astype(np.intp)
         self.indptr, self.indices = whole.indptr, whole.indices
 

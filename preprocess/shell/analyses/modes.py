@@ -72,13 +72,10 @@ def shell_modes(
         if error is None:
             left_out = f"not possible on a mesh of half the cell size, {finer.unknowns} unknowns"
     # of cells that lock the other warning names the cause; a finer mesh of them is far off, too
-    if error is not None and not locked and (np.abs(error) > COARSE).any():
-        bad = np.flatnonzero(np.abs(error) > COARSE)
-        worst = int(bad[np.argmax(np.abs(error[bad]))])
-        more = "" if bad.size == 1 else f" (worst of {bad.size})"
-        hertz = np.sqrt(values[worst]) / (2.0 * np.pi)
-        what = f"frequency {worst - found_modes.n_zero + 1}, {hertz:.4g} Hz{more}"
-        warnings += _coarse(what, error[worst])
+    if error is not None and not locked:
+        hertz = np.sqrt(values) / (2.0 * np.pi)
+        names = [f"frequency {i - found_modes.n_zero + 1}, {f:.4g} Hz" for i, f in enumerate(hertz)]
+        warnings += _coarse(names, error)
     modes = ShellModes(
         np.sqrt(values),
         by_node(mesh, found_modes.shapes),
@@ -114,9 +111,9 @@ def shell_buckling(
     factors = buckling(stressed, table, f"{problem.where}.buckling", warnings)
     errors = load_factor_errors(finer, table, factors) if table.get("error", False) else None
     for name, error in (errors or {}).items():
-        if len(error) and abs(error[0]) > COARSE:
+        if len(error):
             what = f"load case {name}: the load factor {factors[name].values[0]:.4g}"
-            warnings += _coarse(what, error[0])
+            warnings += _coarse([what], error[:1])
     rows = [names.index(name) for name in factors]
     shapes = [by_node(problem.mesh, f.shapes) for f in factors.values()]
     return ShellBuckling(
@@ -142,14 +139,11 @@ def case_errors(
     if error is None or codes & WARPED:  # the other warning names the cause
         return error
     moments, forces = (at_points(problem, key) for key in ("moment", "force"))
-    judged = [0.0 if n in moments else e for n, e in zip(cases.names, error, strict=True)]
-    worst = int(np.argmax(np.abs(judged)))
-    if abs(judged[worst]) > COARSE:
-        bad = int(np.count_nonzero(np.abs(judged) > COARSE))
-        more = "" if bad == 1 else f" (worst of {bad})"
-        what = f"load case {cases.names[worst]}{more}: the strain energy"
-        more = ", and give forces at points a length or an area"
-        warnings += _coarse(what, error[worst], more if cases.names[worst] in forces else "")
+    judged = np.where([name in moments for name in cases.names], 0.0, error)
+    names, what = [f"load case {name}" for name in cases.names], ": the strain energy"
+    at_point = cases.names[int(np.argmax(np.abs(judged)))] in forces
+    more = ", and give forces at points a length or an area" if at_point else ""
+    warnings += _coarse(names, judged, what, more)
     return error
 
 
@@ -178,10 +172,16 @@ def _left_out(table: Mapping[str, Any], finer: FinerMesh) -> str:
     return ""
 
 
-def _coarse(what: str, error: float, more: str = "") -> Warnings:
-    way = "high" if error > 0.0 else "low"
+def _coarse(names: list[str], error: Array, what: str = "", more: str = "") -> Warnings:
+    """Warning about the worst of some errors (m,), if it is large; `what` it is, `more` to do."""
+    bad = np.count_nonzero(np.abs(error) > COARSE)
+    if not bad:
+        return []
+    worst = int(np.argmax(np.abs(error)))
+    others = "" if bad == 1 else f" (worst of {bad})"
+    way = "high" if error[worst] > 0.0 else "low"
     return coded(
         "shell-mesh-coarse",
-        f"{what} is about {100.0 * abs(error):.2g} % too {way} by its mesh; use smaller "
-        f"cells: refine = 1 in [mesh]{more}",
+        f"{names[worst]}{others}{what} is about {100.0 * abs(error[worst]):.2g} % too {way} by its "
+        f"mesh; use smaller cells: refine = 1 in [mesh]{more}",
     )

@@ -85,7 +85,7 @@ def analyse(
         warnings += second.warnings
     return ShellFile(
         name=str(spec.get("name", "shell")),
-        mesh=_mesh_data(problem, [laminate.name for laminate in laminates]),
+        mesh=_mesh_data(problem),
         laminates=tuple(laminates),
         materials={name: dict(table) for name, table in spec["materials"].items()},
         supports=ShellPlaces(
@@ -118,12 +118,8 @@ def analyse(
 
 def _laminates(problem: ShellProblem) -> tuple[list[ShellLaminate], Warnings]:
     """Each laminate that a region uses, once, with its warnings."""
-    by_name: dict[str, ShellLaminate] = {}
-    warnings: Warnings = []
-    for region in problem.regions:
-        name = region.laminate_name
-        if name in by_name:
-            continue
+    laminates, warnings = [], list[dict[str, str]]()
+    for name, region in problem.laminates.items():
         laminate, stiffness = region.laminate.laminate, region.stiffness
         with computed(f"{problem.where}.laminates.{name}"):
             known = report(laminate, name, region.laminate.shear)
@@ -131,20 +127,16 @@ def _laminates(problem: ShellProblem) -> tuple[list[ShellLaminate], Warnings]:
         warnings += known.findings
         table = dataclasses.asdict(known)
         del table["findings"]
-        by_name[name] = ShellLaminate(
-            name,
-            region.laminate.plies,
-            stiffness.ABD,
-            stiffness.Ds,
-            stiffness.mass,
-            operators,
-            {**table, "offset": laminate.offset},
+        table["offset"] = laminate.offset
+        plies, mass = region.laminate.plies, stiffness.mass
+        laminates.append(
+            ShellLaminate(name, plies, stiffness.ABD, stiffness.Ds, mass, operators, table)
         )
-    return list(by_name.values()), warnings
+    return laminates, warnings
 
 
-def _mesh_data(problem: ShellProblem, laminates: list[str]) -> ShellMeshData:
-    mesh = problem.mesh
+def _mesh_data(problem: ShellProblem) -> ShellMeshData:
+    mesh, laminates = problem.mesh, list(problem.laminates)
     of_region = {region.name: region.laminate_name for region in problem.regions}
     area = np.empty(len(mesh.cells))
     for region in problem.regions:

@@ -44,9 +44,8 @@ def cell_resultants(problem: ShellProblem, u: Array, exact: bool = False) -> Cel
     exact : False to round them like the recovery of sections, which halves the size of the
         compressed data
     """
-    mesh = problem.mesh
+    mesh, names = problem.mesh, list(problem.laminates)
     laminate = np.empty(len(mesh.cells), dtype=np.int64)
-    names = list(dict.fromkeys(region.laminate_name for region in problem.regions))
     for region in problem.regions:
         laminate[region.cells] = names.index(region.laminate_name)
     resultants = np.ascontiguousarray(np.moveaxis(problem.resultants(u), 0, 2))
@@ -60,13 +59,11 @@ def cell_resultants(problem: ShellProblem, u: Array, exact: bool = False) -> Cel
 
 def laminates(problem: ShellProblem) -> tuple[LaminateData, ...]:
     """Every laminate that a region uses, once."""
-    by_name: dict[str, LaminateData] = {}
-    for region in problem.regions:
-        name = region.laminate_name
-        if name not in by_name:
-            constants = problem.spec["materials"]
-            by_name[name] = region.laminate.data(name, region.stiffness, constants)
-    return tuple(by_name.values())
+    constants = problem.spec["materials"]
+    return tuple(
+        region.laminate.data(name, region.stiffness, constants)
+        for name, region in problem.laminates.items()
+    )
 
 
 DESIGNED = {"laminates", "materials", "regions", "stiffeners"}  # tables with design parameters

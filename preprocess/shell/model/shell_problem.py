@@ -264,6 +264,11 @@ class ShellProblem:
             other.M = self.M
         return other
 
+    @property
+    def laminates(self) -> dict[str, Region]:
+        """A region of each laminate that is used, by the name of the laminate."""
+        return {region.laminate_name: region for region in self.regions}
+
     @cached_property
     def modes_freedom(self) -> Freedom:
         """Degrees of freedom of natural modes and of buckling; `freedom` is that of load cases."""
