@@ -18,8 +18,7 @@ import numpy as np
 from ...solver.errors import check_known, few
 from ...solver.math.arrays import Array, IntArray
 from ...solver.package.common.cells import corner_areas
-from .shell_cells import ShellError
-from .shell_mesh import ShellMesh
+from .shell_cells import ShellError, ShellMesh
 
 KEYS = ("axis", "axis_curve", "axis_about")
 STEEP = 0.99  # cosine between normal and x above which y is used instead

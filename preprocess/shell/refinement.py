@@ -6,15 +6,14 @@ its script, or by each cell split in four."""
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from ...solver.math.arrays import Array, IntArray
 from ...solver.package.common.cells import NONE, corner_counts
-from ..fenicsx import PlainMesh
 from ..mesh_input import load_script
-from .shell_cells import BoolArray, Edges
+from .shell_cells import BoolArray, Edges, ShellMesh, Unpaired
 
 # Least sine of the angles of a quadrilateral that is better than any triangles; 1 is a rectangle.
 # Below it, quadrilaterals are better than triangles with sharper angles (docs/shells-accuracy.md).
@@ -23,50 +22,36 @@ ROUNDING = 1e-9
 FOLD = 0.9  # least cosine between the normals of the two triangles
 
 
-class Unpaired(NamedTuple):
-    """Triangles that stay although a triangle beside them stays too, and why most of them do."""
-
-    left: int
-    of: int  # triangles before
-    reason: str
-
-
-def paired(plain: PlainMesh) -> tuple[PlainMesh, Unpaired]:
+def paired(mesh: ShellMesh) -> ShellMesh:
     """The mesh with pairs of neighbouring triangles of a region as quadrilaterals.
 
     A pair is refused if its angles are worse than `SQUARE` and no better than those of its two
     triangles. Sides on physical curves stay: stiffeners and links need them.
-
-    Parameters
-    ----------
-    plain : triangles, or triangles and quadrilaterals, of degree 1
     """
-    three = corner_counts(plain.cells) == 3
-    triangles = plain.cells[:, :3]
-    edges = Edges(plain.cells)
+    three = corner_counts(mesh.cells) == 3
+    triangles, edges = mesh.cells[:, :3], mesh.edges
     ends, owner = edges.ends, edges.owner
     one, other = edges.shared.T
     both = three[owner[one]] & three[owner[other]]
     one, other = one[both], other[both]
     a, b = owner[one], owner[other]
-    joined = (plain.region[a] == plain.region[b]) & (ends[one, 0] == ends[other, 1])
-    curves = [rows for rows in plain.named.curves.values() if len(rows)] if plain.named else []
-    if curves:
+    joined = (mesh.region[a] == mesh.region[b]) & (ends[one, 0] == ends[other, 1])
+    if curves := [rows for rows in mesh.curves.values() if len(rows)]:
         joined &= ~np.isin(edges.number[one], edges.find(np.concatenate(curves)))
     opposite = [triangles[c].sum(axis=1) - ends[one].sum(axis=1) for c in (a, b)]
     quads = np.stack([ends[one, 0], opposite[1], ends[one, 1], opposite[0]], axis=1)
-    quality, flat = _quality(plain.points, quads)
-    halves = np.minimum(*(_least_sine(plain.points, triangles[c]) for c in (a, b)))
+    quality, flat = _quality(mesh.points_G, quads)
+    halves = np.minimum(*(_least_sine(mesh.points_G, triangles[c]) for c in (a, b)))
     shaped = quality > np.minimum(SQUARE, halves) + ROUNDING
-    taken = np.zeros(len(plain.cells), dtype=bool)
-    partner = np.full(len(plain.cells), NONE)
+    taken = np.zeros(len(mesh.cells), dtype=bool)
+    partner = np.full(len(mesh.cells), NONE)
     for row in np.lexsort([np.arange(len(quality)), -np.round(quality, 9)]):
         if joined[row] and flat[row] and shaped[row] and not (taken[a[row]] or taken[b[row]]):
             taken[[a[row], b[row]]] = True
             partner[min(a[row], b[row])] = row
     kept = np.flatnonzero(~taken | (partner != NONE))
     cells = np.full((len(kept), 4), NONE)
-    cells[:, : plain.cells.shape[1]] = plain.cells[kept]
+    cells[:, : mesh.cells.shape[1]] = mesh.cells[kept]
     merged = partner[kept] != NONE
     cells[merged] = quads[partner[kept[merged]]]
     left = ~(taken[a] | taken[b])
@@ -79,8 +64,8 @@ def paired(plain: PlainMesh) -> tuple[PlainMesh, Unpaired]:
         )
     ]
     total = len(np.unique([a[left], b[left]]))
-    mesh = replace(plain, cells=cells, cell="mixed", region=plain.region[kept])
-    return mesh, Unpaired(total, int(three.sum()), max(pairs)[1])
+    unpaired = Unpaired(total, int(three.sum()), max(pairs)[1])
+    return replace(mesh, cells=cells, region=mesh.region[kept], unpaired=unpaired)
 
 
 def _turns(points: Array, cells: IntArray) -> tuple[Array, Array]:
@@ -129,23 +114,18 @@ def finer_parameters(path: Path, parameters: Mapping[str, Any], times: int) -> d
     return {**parameters, **{key: n * 2**times for key, n in counts.items()}}
 
 
-def split(plain: PlainMesh) -> PlainMesh:
+def split(mesh: ShellMesh) -> ShellMesh:
     """The mesh with each cell in four: at the middles of its sides, quadrilaterals at a centre.
 
     New nodes lie on the straight sides of the old cells. Cells keep their sense and region, four
     after four. Curves get the middles of their segments; sets of points get those of the sides and
     quadrilaterals whose corners are all in them, so that an edge named by its nodes stays whole.
-
-    Parameters
-    ----------
-    plain : cells of degree 1
     """
-    cells, n = plain.cells, len(plain.points)
+    cells, n, edges = mesh.cells, mesh.n_node, mesh.edges
     there = cells != NONE
-    edges = Edges(cells)
     middles = np.full(cells.shape, NONE)
     middles[there] = n + edges.number
-    points = [plain.points, plain.points[edges.nodes].mean(axis=1)]
+    points = [mesh.points_G, mesh.points_G[edges.nodes].mean(axis=1)]
     parts = np.full((len(cells), 4, cells.shape[1]), NONE)
     quads = there.all(axis=1) & (cells.shape[1] == 4)
     # triangles: a corner and the middles beside it, and the triangle between the middles
@@ -156,28 +136,25 @@ def split(plain: PlainMesh) -> PlainMesh:
         parts[~quads, part, :3] = np.stack(corners, axis=1)
     if quads.any():
         centre = n + len(edges.nodes) + np.arange(int(quads.sum()))
-        points.append(plain.points[cells[quads]].mean(axis=1))
+        points.append(mesh.points_G[cells[quads]].mean(axis=1))
         c, m = cells[quads].T, middles[quads].T
         for part in range(4):
             around = np.stack([c[part], m[part], centre, m[part - 1]], axis=1)
             parts[quads, part] = np.roll(around, part, axis=1)
     new = np.concatenate(points)
-    named = plain.named
-    if named is not None:
-        tags = np.concatenate([named.tags, named.tags.max() + 1 + np.arange(len(new) - n)])
-        curves = {name: _halves(rows, edges, n) for name, rows in named.curves.items()}
-        marks = {}
-        for name, rows in named.points.items():
-            whole = [np.isin(corners, rows).all(axis=1) for corners in (edges.nodes, cells[quads])]
-            marks[name] = np.append(rows, n + np.flatnonzero(np.concatenate(whole)))
-        named = named._replace(tags=tags, curves=curves, points=marks)
+    marks = {}
+    for name, rows in mesh.marks.items():
+        whole = [np.isin(corners, rows).all(axis=1) for corners in (edges.nodes, cells[quads])]
+        marks[name] = np.append(rows, n + np.flatnonzero(np.concatenate(whole)))
+    tags = mesh.node_tags
     return replace(
-        plain,
-        points=new,
+        mesh,
+        points_G=new,
         cells=parts.reshape(-1, cells.shape[1]),
-        region=np.repeat(plain.region, 4),
-        curves={},
-        named=named,
+        region=np.repeat(mesh.region, 4),
+        curves={name: _halves(rows, edges, n) for name, rows in mesh.curves.items()},
+        marks=marks,
+        node_tags=np.concatenate([tags, tags.max() + 1 + np.arange(len(new) - n)]),
     )
 
 

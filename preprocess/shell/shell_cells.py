@@ -1,4 +1,4 @@
-"""Triangles and quadrilaterals of a shell: their edges, and their geometry in axes of the laminate.
+"""Triangles and quadrilaterals of a shell: mesh, edges, and geometry in axes of the laminate.
 
 Sides run around a cell, from corner k to the next. Warped quadrilaterals are those
 of their mean plane. The formulas of the elements do not depend on the direction of the
@@ -6,12 +6,13 @@ corners about e3, so a region may reverse its normals."""
 
 from dataclasses import dataclass, fields
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...solver.math.arrays import Array, IntArray
-from ...solver.package.common.cells import NONE, area_vectors, corner_counts, sides
+from ...solver.package.common.cells import NONE, area_vectors, centres, corner_counts, sides
 
 DOFS = 6  # of a node: ux uy uz rx ry rz
 
@@ -84,6 +85,60 @@ class Edges:
 
     def _key(self, ends: IntArray) -> IntArray:
         return np.asarray(np.sort(ends, axis=1) @ [self._step, 1])
+
+
+class Unpaired(NamedTuple):
+    """Triangles that stay although a triangle beside them stays too, and why most of them do."""
+
+    left: int
+    of: int  # triangles before
+    reason: str
+
+
+NOTHING_LEFT = Unpaired(0, 0, "")
+
+
+@dataclass(frozen=True, eq=False)  # equal only to itself
+class ShellMesh:
+    """A surface mesh of `n` nodes and `c` cells.
+
+    The corners of a cell have the order of the mesh file, so its normal has the direction
+    of the file.
+    """
+
+    points_G: Array  # (n, 3)                               [m]
+    cells: IntArray  # (c, 3), or (c, 4) with quadrilaterals; triangles have NONE as fourth corner
+    region: IntArray  # (c,) row of regions
+    regions: tuple[str, ...]
+    curves: dict[str, IntArray]  # physical curve -> (s, 2) nodes
+    marks: dict[str, IntArray]  # physical point -> (k,) nodes
+    node_tags: IntArray  # (n,) number of each node in gmsh
+    unpaired: Unpaired = NOTHING_LEFT  # by element = "quadrilateral", before `refine`
+
+    @property
+    def n_node(self) -> int:
+        """Number of nodes."""
+        return len(self.points_G)
+
+    @property
+    def size(self) -> float:
+        """Diagonal of the box around the mesh [m]."""
+        return float(np.linalg.norm(np.ptp(self.points_G, axis=0)))
+
+    @cached_property
+    def edges(self) -> Edges:
+        """Edges of the cells."""
+        return Edges(self.cells)
+
+    @property
+    def area_vectors_G(self) -> Array:
+        """Area of each cell times its normal, (c, 3) [m2]."""
+        return area_vectors(self.points_G, self.cells)
+
+    @property
+    def centres_G(self) -> Array:
+        """Mean of the corners of each cell, (c, 3) [m]."""
+        return centres(self.points_G, self.cells)
 
 
 # Integration points in area coordinates, weight area / 3 each: exact up to degree 2.

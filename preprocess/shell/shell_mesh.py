@@ -6,72 +6,27 @@ Nodes and cells keep the numbering of the mesh file.
 import hashlib
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from dataclasses import replace
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ...solver.errors import check_known
-from ...solver.math.arrays import Array, IntArray
-from ...solver.package.common import cells as tables
+from ...solver.math.arrays import IntArray
 from ...solver.package.common.plain_data import canonical
 from .. import fenicsx
 from ..fenicsx import PlainMesh
 from ..mesh_input import is_ours
-from .refinement import Unpaired, finer_parameters, paired, split
-from .shell_cells import Edges, ShellError
+from .refinement import finer_parameters, paired, split
+from .shell_cells import ShellError, ShellMesh
 
 FEW = 300.0  # cells of a direction of a script of meshes/shells that need no check
 KEPT = 8  # meshes that a process keeps
 KEYS = ("file", "parameters", "scale", "element", "refine", "sha256")
 ELEMENTS = ("triangle", "quadrilateral")
 FARTHEST = 1e30  # [m], of a coordinate: products of larger ones may be no numbers
-NOTHING_LEFT = Unpaired(0, 0, "")
-
-
-@dataclass(frozen=True, eq=False)  # equal only to itself
-class ShellMesh:
-    """A surface mesh of `n` nodes and `c` cells.
-
-    The corners of a cell have the order of the mesh file, so its normal has the direction
-    of the file.
-    """
-
-    points_G: Array  # (n, 3)                               [m]
-    cells: IntArray  # (c, 3), or (c, 4) with quadrilaterals: see shell_cells.py
-    region: IntArray  # (c,) row of regions
-    regions: tuple[str, ...]
-    curves: dict[str, IntArray]  # physical curve -> (s, 2) nodes
-    marks: dict[str, IntArray]  # physical point -> (k,) nodes
-    node_tags: IntArray  # (n,) number of each node in gmsh
-    unpaired: Unpaired = NOTHING_LEFT  # by element = "quadrilateral", before `refine`
-
-    @property
-    def n_node(self) -> int:
-        """Number of nodes."""
-        return len(self.points_G)
-
-    @property
-    def size(self) -> float:
-        """Diagonal of the box around the mesh [m]."""
-        return float(np.linalg.norm(np.ptp(self.points_G, axis=0)))
-
-    @cached_property
-    def edges(self) -> Edges:
-        """Edges of the cells."""
-        return Edges(self.cells)
-
-    @property
-    def area_vectors_G(self) -> Array:
-        """Area of each cell times its normal, (c, 3) [m2]."""
-        return tables.area_vectors(self.points_G, self.cells)
-
-    @property
-    def centres_G(self) -> Array:
-        """Mean of the corners of each cell, (c, 3) [m]."""
-        return tables.centres(self.points_G, self.cells)
 
 
 def shell_mesh(spec_mesh: Mapping[str, Any], where: str) -> ShellMesh:
@@ -122,19 +77,16 @@ def _made(table: str, file: str, content: str) -> ShellMesh:
     numbers = [n for n in parameters.values() if isinstance(n, int | float)]
     counted = not is_ours(path) or max(numbers, default=0.0) > FEW
     plain = fenicsx.surface_mesh(path, parameters, 3, counted=counted)
-    element = spec.get("element")
-    unpaired = NOTHING_LEFT
-    if element == "quadrilateral" and plain.cell != "quadrilateral" and plain.degree == 1:
-        plain, unpaired = paired(plain)
+    scale, element = float(spec.get("scale", 1.0)), spec.get("element")
+    mesh = mesh_of(replace(plain, points=scale * plain.points), str(path))
     if element == "triangle" and plain.cell != "triangle":
         raise ShellError('element = "triangle", but the mesh has quadrilaterals; remove `element`')
-    if plain.degree == 1:
-        fenicsx.check_size(len(plain.cells) * 4**left, f"{path}: refine = {left}")
-        for _ in range(left):
-            plain = split(plain)
-    scale = float(spec.get("scale", 1.0))
-    mesh = mesh_of(replace(plain, points=scale * plain.points), str(path))
-    return replace(mesh, unpaired=unpaired)
+    if element == "quadrilateral" and plain.cell != "quadrilateral":
+        mesh = paired(mesh)
+    fenicsx.check_size(len(mesh.cells) * 4**left, f"{path}: refine = {left}")
+    for _ in range(left):
+        mesh = split(mesh)
+    return mesh
 
 
 def mesh_of(plain: PlainMesh, where: str = "mesh") -> ShellMesh:

@@ -8,7 +8,7 @@ from samples.shell_specs import EDGES, mesh_from, plate
 
 from plymotion.preprocess.shell.analyses import discretisation
 from plymotion.preprocess.shell.analyses.shell_analysis import analyse
-from plymotion.preprocess.shell.shell_mesh import ShellMesh
+from plymotion.preprocess.shell.shell_cells import ShellMesh
 from plymotion.solver.report.shell.findings import shell_json
 from plymotion.solver.report.shell.shell_text import shell_text
 

@@ -11,7 +11,8 @@ from samples.shell_specs import SCRIPTS, plate
 from plymotion.preprocess.shell.analyses import discretisation
 from plymotion.preprocess.shell.analyses.discretisation import refined
 from plymotion.preprocess.shell.analyses.shell_analysis import analyse
-from plymotion.preprocess.shell.shell_mesh import ShellMesh, shell_mesh
+from plymotion.preprocess.shell.shell_cells import ShellMesh
+from plymotion.preprocess.shell.shell_mesh import shell_mesh
 
 # No DOLFINx function is called but that of the numbering, which all tests of shells call.
 pytestmark = pytest.mark.one_end

@@ -11,8 +11,8 @@ from samples.shell_specs import SCRIPTS, plate
 from plymotion.preprocess.fenicsx import NamedNodes, PlainMesh
 from plymotion.preprocess.shell.analyses.shell_analysis import analyse
 from plymotion.preprocess.shell.refinement import split
-from plymotion.preprocess.shell.shell_cells import ShellError
-from plymotion.preprocess.shell.shell_mesh import ShellMesh, shell_mesh
+from plymotion.preprocess.shell.shell_cells import ShellError, ShellMesh
+from plymotion.preprocess.shell.shell_mesh import mesh_of, shell_mesh
 from plymotion.solver.package.common import cells as tables
 from plymotion.solver.package.common.cells import NONE
 
@@ -66,25 +66,25 @@ def test_triangles_and_quadrilaterals_of_one_mesh() -> None:
     curves = {"side": np.array([[4, 1], [1, 2]]), "across": np.array([[0, 2]])}
     marks = {"corner": np.array([4]), "edge": np.array([2, 1, 4]), "face": np.arange(4)}
     named = NamedNodes(np.arange(1, 6), curves, marks)
-    found = split(PlainMesh(points, cells, "mixed", 1, np.array([0, 1]), ("a", "b"), {}, named))
+    plain = PlainMesh(points, cells, "mixed", 1, np.array([0, 1]), ("a", "b"), {}, named)
+    found = split(mesh_of(plain))
     assert found.region.tolist() == [0] * 4 + [1] * 4
     assert tables.corner_counts(found.cells).tolist() == [4] * 4 + [3] * 4
-    areas = tables.area_vectors(found.points, found.cells)
+    areas = found.area_vectors_G
     np.testing.assert_allclose(areas, [[0, 0, 0.25]] * 4 + [[0, 0, 0.125]] * 4, atol=1e-15)
-    assert found.named is not None
-    assert len(np.unique(found.points, axis=0)) == len(found.points) == len(found.named.tags)
-    side = found.points[found.named.curves["side"]]
+    assert len(np.unique(found.points_G, axis=0)) == found.n_node == len(found.node_tags)
+    side = found.points_G[found.curves["side"]]
     assert side[:, :, :2].tolist() == [
         [[2, 0], [1.5, 0]],
         [[1.5, 0], [1, 0]],
         [[1, 0], [1, 0.5]],
         [[1, 0.5], [1, 1]],
     ]
-    assert found.named.curves["across"].tolist() == [[0, 2]]
+    assert found.curves["across"].tolist() == [[0, 2]]
     # an edge by its nodes, as in decks of Abaqus: only every second node of it was held
     added = {
-        name: found.points[rows[len(marks[name]) :], :2].tolist()
-        for name, rows in found.named.points.items()
+        name: found.points_G[rows[len(marks[name]) :], :2].tolist()
+        for name, rows in found.marks.items()
     }
     assert added["corner"] == []
     assert sorted(added["edge"]) == [[1, 0.5], [1.5, 0], [1.5, 0.5]]

@@ -18,8 +18,8 @@ from plymotion.preprocess.shell.analyses.cases import load_cases
 from plymotion.preprocess.shell.analyses.shell_analysis import analyse
 from plymotion.preprocess.shell.model.freedom import Freedom
 from plymotion.preprocess.shell.model.shell_problem import ShellProblem
-from plymotion.preprocess.shell.shell_cells import ShellError
-from plymotion.preprocess.shell.shell_mesh import ShellMesh, mesh_of
+from plymotion.preprocess.shell.shell_cells import ShellError, ShellMesh
+from plymotion.preprocess.shell.shell_mesh import mesh_of
 from plymotion.solver.package.shell.shell_schema import ShellCases
 
 QUADS = {"element": "quadrilateral"}

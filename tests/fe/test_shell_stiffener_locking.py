@@ -8,7 +8,7 @@ from samples.shell_specs import METAL, mesh_from, plate
 
 from plymotion.preprocess.shell.analyses.shell_analysis import analyse
 from plymotion.preprocess.shell.model.shell_problem import ShellProblem
-from plymotion.preprocess.shell.shell_mesh import ShellMesh
+from plymotion.preprocess.shell.shell_cells import ShellMesh
 
 SIDE, OFFSET = 0.06, 0.06
 E = METAL["E"]

@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 
 from plymotion.preprocess import fenicsx
-from plymotion.preprocess.shell.shell_mesh import ShellMesh, mesh_of
+from plymotion.preprocess.shell.shell_cells import ShellMesh
+from plymotion.preprocess.shell.shell_mesh import mesh_of
 
 SCRIPTS = Path(__file__).resolve().parents[2] / "meshes" / "shells"
 METAL = {"kind": "isotropic", "E": 70e9, "nu": 0.3, "rho": 2700.0}

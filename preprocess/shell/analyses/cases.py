@@ -21,8 +21,7 @@ from ..model.loads import resultant
 from ..model.shell_problem import ShellProblem
 from ..model.shell_warnings import Progress, Warnings, check_supported
 from ..model.states import link_warnings, warped_warnings
-from ..shell_cells import DOFS, ShellError
-from ..shell_mesh import ShellMesh
+from ..shell_cells import DOFS, ShellError, ShellMesh
 
 RESIDUAL = 1e-9  # residual of the nodal equilibrium, relative to the load
 STEPS = 2  # refinement steps; each adds as many digits as the first solve has

@@ -22,12 +22,10 @@ import scipy.sparse as sp
 from ....solver.math.arrays import Array, IntArray
 from ....solver.package.common.cells import NONE, corner_counts
 from ... import fenicsx
-from ...fenicsx import NamedNodes, PlainMesh
 from ..model.freedom import Freedom
 from ..model.shell_problem import ShellProblem
 from ..refinement import split
-from ..shell_cells import DOFS, ShellError
-from ..shell_mesh import ShellMesh, mesh_of
+from ..shell_cells import DOFS, ShellError, ShellMesh
 from .buckling import LoadFactors, Stressed
 from .cases import solve_cases
 
@@ -47,16 +45,13 @@ class Refined(NamedTuple):
 def refined(mesh: ShellMesh) -> Refined:
     """The mesh with twice as many cells along every side; the old nodes come first."""
     n, cells = mesh.n_node, mesh.cells
-    kind = "triangle" if cells.shape[1] == 3 else "mixed"
-    named = NamedNodes(np.arange(1, n + 1), mesh.curves, mesh.marks)
-    straight = split(PlainMesh(mesh.points_G, cells, kind, 1, mesh.region, mesh.regions, {}, named))
-    heights = _heights(mesh)
+    straight, heights = split(mesh), _heights(mesh)
     # four sides that meet at a centre: half the sum of their middles less a quarter of the corners
     four = np.flatnonzero(corner_counts(cells) == 4)
     of_cell = np.zeros((len(cells), 3))
     np.add.at(of_cell, mesh.edges.owner, 0.5 * heights[mesh.edges.number])
     above = np.concatenate([np.zeros((n, 3)), heights, of_cell[four]])
-    fine = mesh_of(replace(straight, points=straight.points + above), "finer mesh")
+    fine = replace(straight, points_G=straight.points_G + above)
     return Refined(fine, _interpolation(n, mesh.edges.nodes, cells[four]))
 
 

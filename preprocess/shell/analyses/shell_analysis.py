@@ -21,7 +21,7 @@ from ...laminate.stiffness import computed, stress_operators
 from ..model.regions import cell_axes
 from ..model.shell_problem import ShellProblem
 from ..model.shell_warnings import Progress, Warnings
-from ..shell_mesh import ShellMesh
+from ..shell_cells import ShellMesh
 from .bound import bound
 from .buckling import Stressed
 from .cases import load_cases

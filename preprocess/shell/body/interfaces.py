@@ -17,7 +17,7 @@ from ....solver.package.common.plain_data import check_form
 from ....solver.package.specification import ShellInterfaceTable, ShellSpecification
 from ...beam.beam_specification import ModeSpec, Reference, read_modes, read_reference
 from ..model.links import Link
-from ..shell_mesh import ShellMesh
+from ..shell_cells import ShellMesh
 
 
 @dataclass(frozen=True)

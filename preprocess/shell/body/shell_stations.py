@@ -23,7 +23,7 @@ from ...beam.beam_stations import mass_stations as line_stations
 from ..model.links import cross_matrix
 from ..model.regions import Region
 from ..model.stiffeners import Stiffener
-from ..shell_mesh import ShellMesh
+from ..shell_cells import ShellMesh
 
 
 def mass_stations(

@@ -10,8 +10,7 @@ from scipy.sparse.csgraph import connected_components
 from ....solver.math.arrays import Array, IntArray
 from ....solver.package.specification import SHELL_LINK_KINDS
 from ...modes.reference import principal
-from ..shell_cells import DOFS, ShellError
-from ..shell_mesh import ShellMesh
+from ..shell_cells import DOFS, ShellError, ShellMesh
 from .links import Link, averaged, carried
 from .regions import Region
 from .stiffeners import Stiffener

@@ -37,8 +37,7 @@ from ....solver.errors import check_known
 from ....solver.math.arrays import Array, IntArray
 from ....solver.package.specification import SHELL_LINK_KINDS
 from ..groups import Group, united, vector
-from ..shell_cells import DOFS, ShellError
-from ..shell_mesh import ShellMesh
+from ..shell_cells import DOFS, ShellError, ShellMesh
 from .regions import Region
 
 OPEN = 1e-8  # second moment about an axis over the largest: below it the rotation is undetermined

@@ -21,8 +21,7 @@ import numpy as np
 from ....solver.errors import did_you_mean
 from ....solver.math.arrays import Array, IntArray
 from ..groups import group, vector
-from ..shell_cells import DOFS, ShellError
-from ..shell_mesh import ShellMesh
+from ..shell_cells import DOFS, ShellError, ShellMesh
 from .freedom import Freedom
 from .regions import Region, cell_axes
 from .supports import COMPONENTS

@@ -19,8 +19,15 @@ from ...laminate.laminate_specification import LaminateSpec, laminate_from_dict
 from ...laminate.stiffness import LaminateStiffness, computed, laminate_stiffness
 from ..groups import KEYS as AXES
 from ..groups import cell_directions
-from ..shell_cells import NORMAL, CellError, CellGeometry, ShellError, cell_geometry, width_ratios
-from ..shell_mesh import ShellMesh
+from ..shell_cells import (
+    NORMAL,
+    CellError,
+    CellGeometry,
+    ShellError,
+    ShellMesh,
+    cell_geometry,
+    width_ratios,
+)
 
 ALL = "all"
 

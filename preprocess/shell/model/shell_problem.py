@@ -45,9 +45,9 @@ from ..elements.pairs import (
     stiffness_kernel,
 )
 from ..elements.single_cells import cell_table, element_resultants, write
-from ..shell_cells import ShellError
+from ..shell_cells import ShellError, ShellMesh
 from ..shell_mesh import KEYS as MESH
-from ..shell_mesh import ShellMesh, shell_mesh
+from ..shell_mesh import shell_mesh
 from .freedom import Freedom, flat_nodes
 from .links import read_links
 from .loads import KEYS as LOAD

@@ -15,8 +15,7 @@ from ..elements.drilling import DRILLINGS
 from ..elements.membranes import MEMBRANES
 from ..elements.pairs import Choice
 from ..elements.plates import PLATES, shear_ratio
-from ..shell_cells import DOFS, ShellError
-from ..shell_mesh import ShellMesh
+from ..shell_cells import DOFS, ShellError, ShellMesh
 from .freedom import Freedom
 from .links import Link
 from .regions import Region, cell_axes

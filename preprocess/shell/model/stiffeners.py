@@ -25,8 +25,7 @@ from ...beam.line import BeamLine, LineSection
 from ..elements.pairs import Choice, stiffness_kernel
 from ..elements.single_cells import cell_matrices, cell_table
 from ..groups import vector
-from ..shell_cells import DOFS, ShellError
-from ..shell_mesh import ShellMesh
+from ..shell_cells import DOFS, ShellError, ShellMesh
 from .links import carried
 from .regions import Region, cell_axes
 

@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 from ....solver.errors import check_known, did_you_mean
 from ....solver.math.arrays import Array, IntArray
 from ..groups import united
-from ..shell_cells import DOFS, ShellError
-from ..shell_mesh import ShellMesh
+from ..shell_cells import DOFS, ShellError, ShellMesh
 from .links import Link
 
 COMPONENTS = ("ux", "uy", "uz", "rx", "ry", "rz")
