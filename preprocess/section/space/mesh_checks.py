@@ -1,8 +1,6 @@
 """Checks of the mesh of a section: errors for meshes that would give plausible but wrong
 numbers."""
 
-from dataclasses import replace
-
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
@@ -13,7 +11,7 @@ from ....solver.math.arrays import Array
 from ... import fenicsx
 from ...mesh_input import coincident
 from ..section_specification import SectionError
-from .section_cells import CORNERS, KINDS, CellMesh, full_basis
+from .section_cells import CORNERS, KINDS, CellMesh, full_basis, renumbered
 
 IntArray = NDArray[np.int64]
 Warnings = list[dict[str, str]]
@@ -108,17 +106,7 @@ def _counter_clockwise(mesh: CellMesh, where: str) -> CellMesh:
             "the mesh (gmsh: Mesh.HighOrderOptimize = 2;)"
         )
     clockwise = low < -rounding
-    if not clockwise.any():
-        return mesh
-    nodes, angles = mesh.nodes.copy(), mesh.layer_angle
-    nodal = angles is not None and angles.shape[1] > 1
-    angles = angles.copy() if angles is not None and nodal else angles
-    for kind, rows in mesh.of_kinds:
-        some = rows[clockwise[rows]]
-        nodes[some] = nodes[some][:, TURNED[kind]]
-        if nodal and angles is not None:
-            angles[some] = angles[some][:, TURNED[kind]]
-    return replace(mesh, nodes=nodes, layer_angle=angles)
+    return renumbered(mesh, clockwise, TURNED) if clockwise.any() else mesh
 
 
 def _neighbours(mesh: CellMesh, where: str) -> sp.csr_matrix:

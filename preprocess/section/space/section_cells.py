@@ -6,6 +6,7 @@ A refined cell is divided into four. Corners of small cells may hang on edges of
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -140,13 +141,22 @@ def cells_of_plain(plain: PlainMesh) -> CellMesh:
 
 def turned(mesh: CellMesh) -> CellMesh:
     """The same section; quadrilaterals are numbered from their opposite corner."""
-    nodes = mesh.nodes.copy()
-    rows = mesh.kind == KINDS.index("quadrilateral")
-    nodes[rows] = mesh.nodes[rows][:, OPPOSITE]
-    angles = mesh.layer_angle
+    return renumbered(mesh, mesh.kind == KINDS.index("quadrilateral"), ([], OPPOSITE))
+
+
+def renumbered(
+    mesh: CellMesh, marked: NDArray[np.bool_], orders: Sequence[Sequence[int]]
+) -> CellMesh:
+    """The mesh with the nodes of the marked cells (c,) in another order, one for each kind."""
+    nodes, angles = mesh.nodes.copy(), mesh.layer_angle
+    tables: list[Any] = [nodes]
     if angles is not None and angles.shape[1] > 1:
         angles = angles.copy()
-        angles[rows] = angles[rows][:, OPPOSITE]
+        tables.append(angles)
+    for kind, rows in mesh.of_kinds:
+        some = rows[marked[rows]]
+        for table in tables if len(some) else ():
+            table[some] = table[some][:, orders[kind]]
     return replace(mesh, nodes=nodes, layer_angle=angles)
 
 

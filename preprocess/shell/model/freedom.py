@@ -82,14 +82,12 @@ class Freedom:
         self.mesh, self.links, self.supports = mesh, tuple(links), tuple(supports)
         self.n_dof = DOFS * (mesh.n_node + len(links))
         self.fixed = np.unique(np.concatenate([np.zeros(0, int), *(s.dofs for s in supports)]))
-        self._follow = None
-        if links or flat is not None:
-            held = np.zeros(self.n_dof, dtype=bool)
-            held[self.fixed] = True
-            self._follow = _followed(mesh, self.links, self.n_dof, flat, held)
+        held = np.zeros(self.n_dof, dtype=bool)
+        held[self.fixed] = True
+        # all degrees of freedom from the independent ones, with zero columns for the others
+        self._T, self._dependent = _followed(mesh, self.links, self.n_dof, flat, held)
         independent = np.ones(self.n_dof, dtype=bool)
-        if self._follow is not None:
-            independent[self._follow.dependent] = False
+        independent[self._dependent] = False
         self._check_fixed(independent)
         free = independent.copy()
         free[self.fixed] = False
@@ -105,12 +103,11 @@ class Freedom:
 
         Without stored zeros: a part in a coordinate plane then is two problems of half the size.
         """
-        own = principal(A, self.free)
-        if self._follow is None:
+        own, dependent = principal(A, self.free), self._dependent
+        if not len(dependent):
             return own
         # few dofs are dependent: all other rows of T are rows of the unit matrix
-        dependent = self._follow.dependent
-        C = self._follow.T[dependent][:, self.free]
+        C = self._T[dependent][:, self.free]
         rows = A[dependent]
         across = C.T @ rows[:, self.free]
         out = sp.csr_matrix(own + across + across.T + C.T @ (rows[:, dependent] @ C))
@@ -119,24 +116,21 @@ class Freedom:
 
     def gathered(self, forces: Array) -> Array:
         """T' f of forces on all degrees of freedom, (n_free, k)."""
-        if self._follow is not None:
-            forces = self._follow.T.T @ forces
-        return np.asarray(forces[self.free])
+        return np.asarray((self._T.T @ forces)[self.free])
 
     def expanded(self, q: Array) -> Array:
         """Displacements of all degrees of freedom, (n_dof, k), from the free ones."""
         u = np.zeros((self.n_dof, q.shape[1]))
         u[self.free] = q
-        return u if self._follow is None else np.asarray(self._follow.T @ u)
+        return np.asarray(self._T @ u)
 
     def carried_along(self, given: Array) -> Array:
         """Displacements of all degrees of freedom, (n_dof, k), from those given of fixed ones."""
-        return given if self._follow is None else np.asarray(self._follow.T @ given)
+        return np.asarray(self._T @ given)
 
     def on_supports(self, forces: Array) -> Array:
         """Forces of the nodes on the fixed degrees of freedom, (n_dof, k), zero elsewhere."""
-        if self._follow is not None:
-            forces = self._follow.T.T @ forces
+        forces = self._T.T @ forces
         out = np.zeros_like(forces)
         out[self.fixed] = forces[self.fixed]
         return out
@@ -212,17 +206,10 @@ def _plain_basis(rows: Array) -> Array:
     return np.where(np.abs(basis) < 1e-9, 0.0, basis)
 
 
-class _Follow(NamedTuple):
-    """Matrix T of all degrees of freedom from the independent ones, with zero columns for the
-    others."""
-
-    T: sp.csr_matrix  # (n_dof, n_dof)
-    dependent: IntArray
-
-
 def _followed(
     mesh: ShellMesh, links: Sequence[Link], n_dof: int, flat: FlatNodes | None, held: Array
-) -> _Follow:
+) -> tuple[sp.csr_matrix, IntArray]:
+    """T (n_dof, n_dof), and the dependent degrees of freedom."""
     T = sp.identity(n_dof, format="csr")
     dependent = [np.zeros(0, dtype=np.int64)]
     if flat is not None:
@@ -246,7 +233,7 @@ def _followed(
             block = averaged(arms, link.group.weights) if link.rows is None else link.rows
             T = _replaced(T, reference[:, None, None], nodes, block)
             dependent.append(reference)
-    return _Follow(T, np.concatenate(dependent))
+    return T, np.concatenate(dependent)
 
 
 def _replaced(T: sp.csr_matrix, rows: IntArray, columns: IntArray, values: Array) -> sp.csr_matrix:

@@ -13,7 +13,7 @@ import numpy as np
 from ....solver.errors import check_known, did_you_mean, few
 from ....solver.math.arrays import Array, IntArray
 from ....solver.package.common.cells import NONE, corner_counts
-from ....solver.package.common.materials import Orthotropic, material_from_dict
+from ....solver.package.common.materials import material_from_dict
 from ... import fenicsx
 from ...laminate.laminate_specification import LaminateSpec, laminate_from_dict
 from ...laminate.stiffness import LaminateStiffness, computed, laminate_stiffness
@@ -126,8 +126,21 @@ class _Laminated:
 
     def of(self, key: str) -> tuple[str, LaminateSpec, LaminateStiffness]:
         """Name, plies and stiffness of the laminate of a table of `regions`."""
-        place = f"{self._where}.regions.{key}"
-        name, laminate = _laminate(self._given[key], key, self._laminates, self._materials, place)
+        place, table = f"{self._where}.regions.{key}", self._given[key]
+        if "laminate" in table:
+            name, known = table["laminate"], few(self._laminates) or "those of a table laminates"
+            text = f"no such laminate; expected one of {known}"
+            check_known(name, self._laminates, f"{place}.laminate", ShellError, text)
+            laminate = self._laminates[name]
+        elif "material" in table and "thickness" in table:
+            name = f"{key}: {table['material']}"
+            plain = {"plies": [{word: table[word] for word in ("material", "thickness")}]}
+            plain |= {word: table[word] for word in ("offset", "shear_correction") if word in table}
+            laminate = laminate_from_dict(plain, self._materials, place)
+        else:
+            raise ShellError(
+                f"{place}: expected laminate = ..., or material = ... and thickness = ..."
+            )
         with computed(f"{self._where}.laminates.{name}"):
             return name, laminate, laminate_stiffness(laminate.laminate, laminate.shear)
 
@@ -142,31 +155,6 @@ def relaid(regions: Sequence[Region], spec: Mapping[str, Any], where: str) -> li
         replace(region, laminate=laminates[region.name][1], stiffness=laminates[region.name][2])
         for region in regions
     ]
-
-
-def _laminate(
-    table: Mapping[str, Any],
-    region: str,
-    laminates: Mapping[str, LaminateSpec],
-    materials: Mapping[str, Orthotropic],
-    where: str,
-) -> tuple[str, LaminateSpec]:
-    if "laminate" in table:
-        name = table["laminate"]
-        known = few(laminates) or "those of a table laminates"
-        text = f"no such laminate; expected one of {known}"
-        check_known(name, laminates, f"{where}.laminate", ShellError, text)
-        return str(name), laminates[name]
-    if "material" not in table or "thickness" not in table:
-        raise ShellError(f"{where}: expected laminate = ..., or material = ... and thickness = ...")
-    plain: dict[str, object] = {
-        "plies": [{"material": table["material"], "thickness": table["thickness"]}]
-    }
-    for key in ("offset", "shear_correction"):
-        if key in table:
-            plain[key] = table[key]
-    name = f"{region}: {table['material']}"
-    return name, laminate_from_dict(plain, materials, where)
 
 
 def cell_axes(mesh: ShellMesh, regions: Sequence[Region]) -> Array:

@@ -130,52 +130,6 @@ def mode_count(table: Mapping[str, Any], where: str, default: int = 6) -> int:
     return count
 
 
-class Assembly:
-    """The cells of a shell as surfaces of DOLFINx, one for each kind of cell.
-
-    Parameters
-    ----------
-    regions : the cells that are assembled
-    extra : number of nodes without cells after those of the mesh
-    """
-
-    def __init__(
-        self, mesh: ShellMesh, regions: Sequence[Region], choice: Choice, extra: int
-    ) -> None:
-        self._mesh, self._choice, self._extra = mesh, choice, extra
-        self._kinds = _by_corners(regions)
-
-    def of(self, regions: Sequence[Region], choice: Choice | None = None) -> "Assembly":
-        """The same cells with other laminates, and other elements."""
-        other = copy.copy(self)
-        other._kinds, other._choice = _by_corners(regions), choice or self._choice
-        return other
-
-    @cached_property
-    def _surfaces(self) -> tuple[fenicsx.Surface, ...]:
-        nodes = (np.concatenate([r.nodes for r in kind]).astype(np.int64) for kind in self._kinds)
-        return tuple(_surface(self._mesh, own.tobytes(), own.shape[1]) for own in nodes)
-
-    def matrix(self, kernel: Callable[[int], fenicsx.Kernel], **entries: Array) -> sp.csr_matrix:
-        """Sum of the matrices of the cells, (n_dof, n_dof) with ascending columns.
-
-        Parameters
-        ----------
-        kernel : of cells with a number of corners (pairs.py)
-        entries : of the table of the cells by their names, in the order of the mesh
-        """
-        # first, because what DOLFINx needs a compiler for gives a worse message without one
-        kernels = [kernel(kind[0].nodes.shape[1]) for kind in self._kinds]
-        parts = []
-        for surface, kind, kernel_of_kind in zip(self._surfaces, self._kinds, kernels, strict=True):
-            data = [cell_table(r.geometry, r.stiffness, self._choice) for r in kind]
-            table = np.concatenate(data)
-            cells = np.concatenate([region.cells for region in kind])
-            write(table, **{name: values[cells] for name, values in entries.items()})
-            parts.append((surface, kernel_of_kind, table))
-        return _pattern(self._surfaces, self._mesh.n_node + self._extra).summed(parts)
-
-
 # Lay-ups of one mesh, one after the other, share what DOLFINx needs of it and of its finer one.
 @lru_cache(maxsize=4)
 def _surface(mesh: ShellMesh, nodes: bytes, corners: int) -> fenicsx.Surface:
@@ -187,12 +141,6 @@ def _surface(mesh: ShellMesh, nodes: bytes, corners: int) -> fenicsx.Surface:
 @lru_cache(maxsize=4)
 def _pattern(surfaces: tuple[fenicsx.Surface, ...], n_node: int) -> fenicsx.SurfacePattern:
     return fenicsx.SurfacePattern([surface.cells for surface in surfaces], n_node)
-
-
-def _by_corners(regions: Sequence[Region]) -> list[list[Region]]:
-    """Regions of triangles and of quadrilaterals, as far as there are any."""
-    kinds = [[r for r in regions if r.nodes.shape[1] == k] for k in (3, 4)]
-    return [kind for kind in kinds if kind]
 
 
 AT_ONCE = 16  # number of states for which resultants are computed together
@@ -258,7 +206,6 @@ class ShellProblem:
             vars(other).pop(name, None)
         other.spec = spec
         other.regions = other.own = relaid(self.regions, spec, self.where)
-        other._assembly = self._assembly.of(other.own)
         regions = zip(self.regions, other.regions, strict=True)
         if all(np.array_equal(a.stiffness.mass, b.stiffness.mass) for a, b in regions):
             other.M = self.M
@@ -283,7 +230,7 @@ class ShellProblem:
     @cached_property
     def K(self) -> sp.csr_matrix:
         """Stiffness of all degrees of freedom, (n_dof, n_dof) [N/m, N, N m]."""
-        K = self._assembly.matrix(lambda k: stiffness_kernel(k, self.choice))
+        K = self._assembled(lambda k: stiffness_kernel(k, self.choice))
         if self.beside is not None:
             K = K + self.beside.stiffness(self.choice)
         return self._with_lines(K, [stiffener.stiffness() for stiffener in self.stiffeners])
@@ -295,7 +242,7 @@ class ShellProblem:
             replace(region, stiffness=region.stiffness._replace(A=A, B=B, D=D, Ds=Ds))
             for region in self.own
         ]
-        return self._assembly.of(cells, choice).matrix(lambda k: stiffness_kernel(k, choice))
+        return self._assembled(lambda k: stiffness_kernel(k, choice), cells, choice)
 
     @cached_property
     def beside(self) -> CellsBeside | None:
@@ -309,7 +256,7 @@ class ShellProblem:
     def M(self) -> sp.csr_matrix:
         """Mass of all degrees of freedom, (n_dof, n_dof) [kg, kg m, kg m2]."""
         return self._with_lines(
-            self._assembly.matrix(lambda k: mass_kernel(k, self.mass_form)),
+            self._assembled(lambda k: mass_kernel(k, self.mass_form)),
             [stiffener.mass(self.mass_form) for stiffener in self.stiffeners],
         )
 
@@ -318,14 +265,14 @@ class ShellProblem:
         N = self.resultants(u[:, None])[0, :, :3]
         on_turns = np.full(len(N), float(in_plane))
         return self._with_lines(
-            self._assembly.matrix(geometric_kernel, N=N, in_plane=on_turns),
+            self._assembled(geometric_kernel, N=N, in_plane=on_turns),
             [stiffener.geometric(u) for stiffener in self.stiffeners],
         )
 
     def pressure_stiffness(self, p: Array) -> sp.csr_matrix:
         """Stiffness (n_dof, n_dof) [N/m] of pressures that follow the surface, see `pressures`."""
         p = np.pad(p, ((0, 0), (0, 4 - p.shape[1])))
-        return self._assembly.matrix(pressure_kernel, p=p)
+        return self._assembled(pressure_kernel, p=p)
 
     @cached_property
     def loads(self) -> Loads:
@@ -353,9 +300,36 @@ class ShellProblem:
                 out[some, region.cells] = np.moveaxis(values, 2, 0)
         return self.team.total(out)
 
-    @cached_property
-    def _assembly(self) -> Assembly:
-        return Assembly(self.mesh, self.own, self.choice, len(self.links))
+    def _assembled(
+        self,
+        kernel: Callable[[int], fenicsx.Kernel],
+        regions: Sequence[Region] | None = None,
+        choice: Choice | None = None,
+        **entries: Array,
+    ) -> sp.csr_matrix:
+        """Sum of the matrices of the cells, (n_dof, n_dof) with ascending columns.
+
+        Parameters
+        ----------
+        kernel : of cells with a number of corners (pairs.py)
+        regions, choice : with other laminates and elements than those of the shell
+        entries : of the table of the cells by their names, in the order of the mesh
+        """
+        by_corners = ([r for r in regions or self.own if r.nodes.shape[1] == k] for k in (3, 4))
+        kinds = [kind for kind in by_corners if kind]
+        # first, because what DOLFINx needs a compiler for gives a worse message without one
+        kernels = [kernel(kind[0].nodes.shape[1]) for kind in kinds]
+        parts = []
+        for kind, kernel_of_kind in zip(kinds, kernels, strict=True):
+            nodes = np.concatenate([region.nodes for region in kind]).astype(np.int64)
+            cells = np.concatenate([region.cells for region in kind])
+            data = [cell_table(r.geometry, r.stiffness, choice or self.choice) for r in kind]
+            table = np.concatenate(data)
+            write(table, **{name: values[cells] for name, values in entries.items()})
+            surface = _surface(self.mesh, nodes.tobytes(), nodes.shape[1])
+            parts.append((surface, kernel_of_kind, table))
+        surfaces = tuple(surface for surface, _, _ in parts)
+        return _pattern(surfaces, self.mesh.n_node + len(self.links)).summed(parts)
 
     def _with_lines(self, matrix: sp.csr_matrix, lines: Sequence[sp.csr_matrix]) -> sp.csr_matrix:
         """Add the matrices of the beams that stiffen the shell."""
