@@ -126,29 +126,17 @@ ABSENT = 1e-9  # of the largest second moment: smaller ones are round-off
 
 
 @dataclass(frozen=True)
-class PointMasses:
-    """Point masses that move with the slices of a beam, body axes.
+class PointMasses(Stations):
+    """Point masses that move with the slices of a beam: stations without rotary inertia.
 
     Attributes
     ----------
     slice_of : (p,) slice of each point
     s_B : (p, 3) from the mass centre of the slice to the point [m]
-    m : (p,) masses [kg]
-    x_B : (p, 3) rest positions [m]
-    phi_B : (p, 3, n_mode) translation per unit mode [m]
     """
 
     slice_of: IntArray
     s_B: Array
-    m: Array
-    x_B: Array
-    phi_B: Array
-
-    def invariants(self, mass_form: str) -> Invariants:
-        """Sums over the points; no rotary inertia is left. Paper: Eq. (2), Eq. (15)."""
-        none = np.zeros_like(self.phi_B)
-        J = np.zeros((len(self.m), 3, 3))
-        return from_stations(self.m, self.x_B, self.phi_B, none, J, mass_form)
 
 
 def point_masses(stations: Stations) -> PointMasses:
@@ -165,10 +153,7 @@ def point_masses(stations: Stations) -> PointMasses:
     slice_of = np.concatenate([slice_of, slice_of, bare])
     s = np.concatenate([s, -s, np.zeros((len(bare), 3))])
     m = np.concatenate([half, half, stations.m[bare]])
-    return PointMasses(
-        slice_of=slice_of,
-        s_B=s,
-        m=m,
-        x_B=stations.x_B[slice_of] + s,
-        phi_B=stations.phi_B[slice_of] + np.cross(stations.psi_B[slice_of], s[:, :, None], axis=1),
-    )
+    turned = np.cross(stations.psi_B[slice_of], s[:, :, None], axis=1)
+    phi_B = stations.phi_B[slice_of] + turned
+    none = np.zeros_like(phi_B), np.zeros((len(m), 3, 3))
+    return PointMasses(m, stations.x_B[slice_of] + s, phi_B, *none, slice_of, s)

@@ -63,15 +63,13 @@ def eigenpairs(
         except EigenError:
             return checked(K, M, _sharpened(K, M, X), team)
     # SLEPc can solve once more for every vector, which removes errors that a singular M amplifies
-    purify = n_finite < n_dof
-    X = _krylov_schur(K, M, n_mode, n_krylov, target, tolerance, team, purify, solid)
-    try:
-        return checked(K, M, X, team)
-    except EigenError:
-        if purify:
-            raise
-    X = _krylov_schur(K, M, n_mode, n_krylov, target, tolerance, team, True, solid)
-    return checked(K, M, X, team)
+    for purify in (False, True) if n_finite == n_dof else (True,):
+        X = _krylov_schur(K, M, n_mode, n_krylov, target, tolerance, team, purify, solid)
+        try:
+            return checked(K, M, X, team)
+        except EigenError as error:
+            failed = error
+    raise failed
 
 
 def _krylov_schur(

@@ -251,15 +251,9 @@ def principal(A: sp.csr_matrix, kept: IntArray) -> sp.csr_matrix:
     """Rows and columns `kept` of a matrix, without stored zeros."""
     if isinstance(A, Part):
         return Part(principal(A.own, kept), A.team)
-    number = np.full(A.shape[0], -1, dtype=A.indices.dtype)
-    number[kept] = np.arange(len(kept))
-    row = np.repeat(number, np.diff(A.indptr))
-    column = number[A.indices]
-    there = np.flatnonzero((row >= 0) & (column >= 0) & (A.data != 0.0))
-    count = np.bincount(row[there], minlength=len(kept))
-    starts = np.concatenate([[0], np.cumsum(count)]).astype(A.indptr.dtype)
-    entries = (A.data[there], column[there], starts)
-    return sp.csr_matrix(entries, shape=(len(kept), len(kept)))
+    part = sp.csr_matrix(A[kept][:, kept])
+    part.eliminate_zeros()
+    return part
 
 
 def _massive(M: Any) -> int:

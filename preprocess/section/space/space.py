@@ -262,11 +262,11 @@ class SectionSpace:
 
     def strain_in_section(self, W: Array) -> Array:
         """G_h W at the points, (c, q, 6, m), for displacement columns W (n_dof, m)."""
-        return _product(self.S_h, self.slopes(W))
+        return self.S_h @ self.slopes(W)
 
     def strain_along_beam(self, W: Array) -> Array:
         """G_l W at the points, (c, q, 6, m): the strain due to a change W per x1."""
-        return _product(self.S_l, self.at_points(W))
+        return self.S_l @ self.at_points(W)
 
     def slopes(self, W: Array) -> Array:
         """Derivatives d w_a / d x_alpha at the points, (c, q, 6, m), rows 3 alpha + a."""
@@ -281,11 +281,11 @@ class SectionSpace:
 
     def load_in_section(self, stress: Array) -> Array:
         """Integral of (G_h w)' stress for each unknown of w, (n_dof, m), stress (c, q, 6, m)."""
-        return self.load_of_slopes(_product(self.S_h.T, stress))
+        return self.load_of_slopes(self.S_h.T @ stress)
 
     def load_along_beam(self, stress: Array) -> Array:
         """Integral of (G_l w)' stress for each unknown of w, (n_dof, m), stress (c, q, 6, m)."""
-        return self.load(_product(self.S_l.T, stress))
+        return self.load(self.S_l.T @ stress)
 
     def load(self, traction: Array) -> Array:
         """Integral of w . traction for each unknown of w, (n_dof, m), traction (c, q, 3, m)."""
@@ -328,17 +328,3 @@ class SectionSpace:
                     values[part.rows] = part.values(reference) @ nodal[part.nodes]
             out.append(values[rows].reshape(len(rows), len(reference), 3, m))
         return out
-
-
-def _product(S: Array, fields: Array) -> Array:
-    """S fields at the points, (c, q, rows, m), for S (rows, columns) with few entries."""
-    first = np.abs(S).argmax(axis=1)  # the largest entry of each row; most rows have no other one
-    out = np.take(fields, first, axis=2)
-    left = S.copy()
-    for row, column in enumerate(first):
-        if S[row, column] != 1.0:
-            out[:, :, row] *= S[row, column]
-        left[row, column] = 0.0
-    for row, column in np.argwhere(left):
-        out[:, :, row] += left[row, column] * fields[:, :, column]
-    return out
