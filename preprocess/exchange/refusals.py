@@ -1,7 +1,5 @@
 """What is wrong with the matrices of a body: each check raises InputError."""
 
-from collections.abc import Callable
-
 import numpy as np
 import scipy.sparse as sp
 import scipy.sparse.csgraph as graphs
@@ -25,15 +23,11 @@ def check_free_body(body: FreeBody, total_mass: float | None) -> None:
     ----------
     total_mass : the mass that the user knows [kg]
     """
-    checks: tuple[Callable[[FreeBody], None], ...] = (
-        _labels,
-        _matrices,
-        _translations,
-        _one_part,
-        _rigid_motions,
-    )
-    for check in checks:
-        check(body)
+    _labels(body)
+    _matrices(body)
+    _translations(body)
+    _one_part(body)
+    _rigid_motions(body)
     mass = masses(body)
     _mass(body, mass, total_mass)
     _density(body, float(mass.mean()))

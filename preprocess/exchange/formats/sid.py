@@ -50,7 +50,7 @@ def _lines(package: ModalPackage) -> Iterator[str]:
     yield "           end frame"
     for name, (m0, m1) in integrals(package).items():
         yield f"           {name}"
-        yield from _taylor(m0, m1, m, 26)
+        yield from _taylor(m0, m1, m)
         yield f"           end {name}"
     yield "      end modal"
     yield " end part"
@@ -70,7 +70,7 @@ def _node(package: ModalPackage, number: int) -> Iterator[str]:
     }
     for name, (m0, m1) in parts.items():
         yield f"                     {name}"
-        yield from _taylor(m0, m1, m, 26)
+        yield from _taylor(m0, m1, m)
         yield f"                     end {name}"
     yield "                end node"
 
@@ -118,20 +118,20 @@ def _products(A: Array) -> Array:
     return np.stack([*(A[k, k] for k in range(3)), *(A[i, j] + A[j, i] for i, j in pairs)])
 
 
-def _taylor(m0: Array, m1: Array, modes: int, indent: int) -> Iterator[str]:
+def _taylor(m0: Array, m1: Array, modes: int) -> Iterator[str]:
     """One Taylor series; entries that are zero are left out."""
     order, some = int(m1.size > 0), bool(m0.any() or m1.any())
     head = {"order": order, "nrow": m0.shape[0], "ncol": m0.shape[1], "nq": modes, "nqn": 0}
     for key, value in {**head, "structure": FULL if some else ZERO}.items():
-        yield _entry(key, f"{value:5d}", indent)
+        yield _entry(key, f"{value:5d}")
     for i, j in np.argwhere(m0):
-        yield _entry(f"m0({i + 1:2d},{j + 1:2d})", _number(m0[i, j]), indent)
+        yield _entry(f"m0({i + 1:2d},{j + 1:2d})", _number(m0[i, j]))
     for i, j, k in np.argwhere(np.moveaxis(m1, 2, 0)):
         place = f"m1({j + 1:2d},{k + 1:2d},{i + 1:2d})"
-        yield _entry(place, _number(m1[j, k, i]), indent)
+        yield _entry(place, _number(m1[j, k, i]))
 
 
-def _entry(key: str, value: str, indent: int) -> str:
+def _entry(key: str, value: str, indent: int = 26) -> str:
     return f"{' ' * indent}{key}".ljust(48) + "=" + value
 
 
