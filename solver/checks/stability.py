@@ -12,10 +12,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..dynamics.analysis.recovery import stiffened
+from ..dynamics.analysis.rank import free_motions
+from ..dynamics.analysis.recovery import extent, sizes_of_motion, stiffened
 from ..dynamics.elements.floating_frame import stiffening_matrices
 from ..dynamics.elements.joints.table import RIGID
 from ..dynamics.evaluation import series
+from ..dynamics.evaluation.accelerations import assemble
+from ..dynamics.evaluation.variations import along_directions
 from ..dynamics.model.model import GROUND, Model, modal_matrix
 from ..integrators.generic.base import Dense
 from ..integrators.generic.drive import Steps, StopRequest
@@ -26,7 +29,7 @@ from ..results.codes import BUCKLING, BUCKLING_LOAD, MATTERS, SPIN, Finding
 # Growth over the spin that a run passes by: that of a shaft whose two stiffnesses
 # differ by 4 %, by (w_2 - w_1) / 2 between its critical speeds; meshed round shafts differ by less.
 GROWS = 0.01
-_ALIKE = 1e-6  # directions of motion that are one, relative
+_ALIKE = 1e-6  # directions of motion that are one, relative, and strain that is none
 SAME = 1e-3  # difference of spins, relative, that is judged once
 
 
@@ -345,6 +348,49 @@ def geometric_stiffness(
     return np.asarray(0.5 * (Kg + Kg.transpose(0, 2, 1)))
 
 
+STEP = 1e-5  # of the size of the mechanism, or rad: differences on both sides
+MOST_VELOCITIES = 100  # of a mechanism whose free motions are looked at: 20 ms each time
+
+
+def joints_hold(model: Model, t: float, y: Array) -> bool:
+    """Return whether all elastic motions that the joints leave free have stiffness in state y (n,).
+
+    A body without stiffness in its own frame may be held elsewhere: a column between two hinges
+    with its frame clamped at one of them would buckle at a quarter of its load. Accelerations and
+    multipliers are held; motions without strain, such as those of a pendulum, are left out: those
+    that are looked at have no momentum along them.
+
+    Parameters
+    ----------
+    model : the mechanism with the second-order terms of its bodies
+    t : time [s]
+    y : state (n,), as in dynamics/model/model.py
+    """
+    n = model.n_vel
+    if n > MOST_VELOCITIES:
+        return False
+    equations = assemble(model, t, y)
+    free = free_motions(equations, model.inertia_scale)
+    starts = model.vel_start[np.repeat(np.arange(model.n_body), model.n_mode)] + 6
+    elastic = starts + np.concatenate([np.arange(m) for m in model.n_mode])
+    weighted = free.Z[elastic] * np.sqrt(model.inertia_scale[elastic])[:, None]
+    _, s, Vt = np.linalg.svd(weighted)
+    count = int(np.count_nonzero(s > _ALIKE))
+    rigid, bent = free.Z @ Vt[count:].T, free.Z @ Vt[:count].T
+    MR = equations.M @ rigid
+    bent = bent - rigid @ np.linalg.solve(rigid.T @ MR, MR.T @ bent)
+    rates, multipliers = series.along_solution(model, np.array([t]), y[None])
+    directions = np.zeros((1, count, 2 * n + model.n_aux))
+    directions[0, :, :n] = bent.T
+    sizes = sizes_of_motion(model, extent(model, y))
+    step = STEP / np.abs(bent / sizes[:, None]).max(axis=0)[None]
+    a = rates[:, model.n_pos : model.n_pos + n]
+    at = (model, np.array([t]), y[None], a, multipliers, directions)
+    change = along_directions(*at, step) + along_directions(*at, -step)
+    K = -change[0, :, :n] @ bent
+    return count > 0 and float(np.linalg.eigvalsh(K + K.T)[0]) > 0.0
+
+
 LOOKS = 1000  # of a run, and one of each block of steps
 # Over the lowest frequency of the body [rad]: it does not notice a load that passes sooner, as the
 # waves of stress that follow a sudden release.
@@ -427,7 +473,8 @@ class BucklingMonitor:
     def margin(self, i: int, t: Array, y: Array) -> Array:
         """Smallest eigenvalue of the stiffness of body i in states y (k, n), (k,) [1/s2].
 
-        Its size where the spin alone has taken it and the body keeps its shape (`holds`).
+        Its size where the spin alone has taken it and the body keeps its shape (`holds`), and where
+        joints hold the body.
 
         Parameters
         ----------
@@ -445,7 +492,8 @@ class BucklingMonitor:
             # A critical speed is no load: it is passed if the loads alone leave stiffness.
             w = self.spin.spin(i, y[k])
             loaded = np.linalg.eigvalsh(self.spin.matrices(i, y[k])[0] + loads[k])[0]
-            if loaded > 0.0 and self.spin.holds(i, w, whole[k], loads[k]):
+            passed = loaded > 0.0 and self.spin.holds(i, w, whole[k], loads[k])
+            if passed or joints_hold(self.tables, float(t[k]), y[k]):
                 lowest[k] = -lowest[k]
         return lowest
 

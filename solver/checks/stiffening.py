@@ -26,7 +26,7 @@ from ..results.codes import (
     Finding,
 )
 from .finished import FinishedRun
-from .stability import Loading, SpinMonitor, buckling_text, geometric_stiffness
+from .stability import Loading, SpinMonitor, buckling_text, geometric_stiffness, joints_hold
 
 WHIRLS = 0.25  # of the stiffness in the frame: a spin at half a frequency takes it
 MOST_FREE = 41  # states of which the mass of free motions is computed, a dense problem
@@ -87,10 +87,12 @@ def _of_stiffened(
     if run.solution.counters.steps:
         return
     t, values = run.scan(softness, run.look.stiffening)
-    bad = -values <= BUCKLING.limit
-    if bad.any():
-        when, lowest = float(t[bad][0]), -float(values[bad][0])
-        yield BUCKLING.finding(buckling_text(name, when), body=name, t=when, value=lowest)
+    for k in np.flatnonzero(-values <= BUCKLING.limit):
+        when, row = float(t[k]), np.searchsorted(run.solution.t, t[k])
+        if not joints_hold(model, when, run.solution.y[row]):
+            text = buckling_text(name, when)
+            yield BUCKLING.finding(text, body=name, t=when, value=-float(values[k]))
+            return
 
 
 def _of_mass(run: FinishedRun, i: int, t: Array, lowest: Array) -> Iterator[Finding]:

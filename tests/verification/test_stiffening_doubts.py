@@ -10,7 +10,12 @@ from samples.beam_samples import CLAMPED, reduced
 from samples.stiffening_samples import CHORD, rectangle, soft_modes, soft_pendulum
 
 from plymotion.solver.checks.finished import FinishedRun
-from plymotion.solver.checks.stability import Loading, SpinMonitor, geometric_stiffness
+from plymotion.solver.checks.stability import (
+    BucklingMonitor,
+    Loading,
+    SpinMonitor,
+    geometric_stiffness,
+)
 from plymotion.solver.checks.stiffening import stiffening_findings
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
 from plymotion.solver.dynamics.evaluation.accelerations import assemble, derivative
@@ -22,7 +27,17 @@ K, MASS = rectangle(70e9, 0.3, 2700.0, 0.004, 0.02)
 LENGTH = 0.5
 
 
-def column(force: float, **options):
+HINGED = {
+    "foot": {"kind": "revolute", "between": ["ground.foot", "column.root"]},
+    "head": {
+        "kind": "point_on_line",
+        "between": ["ground.foot", "column.tip"],
+        "axis": [1.0, 0.0, 0.0],
+    },
+}
+
+
+def column(force: float, joints=None, **options):
     """A clamped column with a force along its axis at the tip, as a mechanism of a case."""
     modes = [{"kind": "bending-xy", "count": 3}]
     tip_load = {"kind": "attachment", "at": "tip", "directions": ["x", "y"]}
@@ -30,7 +45,7 @@ def column(force: float, **options):
     table = {
         "bodies": {"column": {"kind": "package", "package": "column.vtkhdf"}},
         "ground": {"foot": {"position": [0.0] * 3}},
-        "joints": {"foot": {"kind": "fixed", "between": ["ground.foot", "column.root"]}},
+        "joints": joints or {"foot": {"kind": "fixed", "between": ["ground.foot", "column.root"]}},
         "forces": {
             "load": {
                 "kind": "force",
@@ -69,6 +84,16 @@ def test_a_column_below_eulers_load_stands(factor):
 def test_a_column_above_eulers_load_buckles():
     codes, _, _ = found_codes(-1.01 * EULER, geometric_stiffening=True)
     assert codes == ["buckling-by-motion"]
+
+
+@pytest.mark.parametrize(("factor", "expected"), [(0.99, []), (1.01, ["buckling-by-motion"])])
+def test_a_column_between_hinges_stands_up_to_four_times_that_load(factor, expected):
+    """Its frame is clamped at one hinge, and its modes are those of the cantilever."""
+    force = -4.0 * factor * EULER
+    codes, model, y = found_codes(force, joints=HINGED, geometric_stiffening=True)
+    assert codes == expected
+    monitor = BucklingMonitor(model, model, [0], SpinMonitor(model, ["column"]), 1.0)
+    assert (monitor.margin(0, np.zeros(1), y[None])[0] > 0.0) == (not expected)
 
 
 def test_eulers_load_in_numbers():
