@@ -34,7 +34,7 @@ from ..linearisation.differences import units_of
 from ..tolerances import LEAST_STEP, STEP
 from .linear import Column, Linear, Linearisation, Partials
 
-BATCH = 2_000_000  # numbers of the terms of one batch of steps
+BATCH = 4_000_000  # numbers of the terms of one batch of steps
 NEAR = 1e-6  # of the size of the mechanism: distance from a bend of a force
 NODES, STRIDES = 8, (2, 1)  # through which equations are interpolated; steps between them
 ROUGH = 1e-5  # of the largest velocity: what interpolated accelerations may miss in a step
