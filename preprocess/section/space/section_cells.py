@@ -147,7 +147,14 @@ def turned(mesh: CellMesh) -> CellMesh:
 def renumbered(
     mesh: CellMesh, marked: NDArray[np.bool_], orders: Sequence[Sequence[int]]
 ) -> CellMesh:
-    """The mesh with the nodes of the marked cells (c,) in another order, one for each kind."""
+    """Return the mesh with the nodes of some cells in another order.
+
+    Parameters
+    ----------
+    mesh : cells and their nodes
+    marked : (c,) cells that are changed
+    orders : for each kind of cells, the new order of the nodes of a cell
+    """
     nodes, angles = mesh.nodes.copy(), mesh.layer_angle
     tables: list[Any] = [nodes]
     if angles is not None and angles.shape[1] > 1:
