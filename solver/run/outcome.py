@@ -21,7 +21,7 @@ from ..checks.modes import loaded_damping
 from ..checks.statics import unjudged_hints
 from ..dynamics.analysis import recovery as recover
 from ..math.arrays import Array
-from ..math.compiled import numba_version
+from ..math.compiled import installed_version
 from ..math.rows import IN_MEMORY, LongRows, RowKeeper, columns, temporary_file
 from ..mechanism.built import BuiltMechanism
 from ..package import ModalPackage
@@ -212,7 +212,7 @@ def _versions() -> dict[str, str]:
         "numpy": np.__version__,
     }
     if find_spec("numba"):
-        versions["numba"] = numba_version()
+        versions["numba"] = installed_version("numba")
     return versions
 
 

@@ -39,7 +39,7 @@ def unit(x):
 
 @lean
 def entry(a):
-    total = 0.0
+    total = {start}
     for i in range(a.shape[0]):
         total += unit(a[i])
     return total
@@ -60,15 +60,17 @@ print(value, COMPILED, len(statistics.loaded), len(statistics.fallbacks), *names
 """
 
 
-def _call(folder: Path, cache: Path | None, factor=2.0, shift=1.0, **settings):
+def _call(folder: Path, cache: Path | None, **changes):
     """Write the module in a folder and call it; return the value and what was compiled."""
-    return _read(_started(folder, cache, factor, shift, **settings))
+    return _read(_started(folder, cache, **changes))
 
 
-def _started(folder, cache, factor=2.0, shift=1.0, **settings):
+def _started(folder, cache, factor=2.0, shift=1.0, start=0.0, **settings):
+    """Start a process, by default without a linker."""
     folder.mkdir(exist_ok=True)
-    (folder / "sample.py").write_text(MODULE.format(factor=factor, shift=shift))
-    settings = {"PLYMOTION_COMPILED": "1", "PLYMOTION_CACHE": str(cache or "")} | settings
+    (folder / "sample.py").write_text(MODULE.format(factor=factor, shift=shift, start=start))
+    common = {"PLYMOTION_COMPILED": "1", "PLYMOTION_CACHE": str(cache or ""), "PATH": ""}
+    settings = common | settings
     return _forks.started(SCRIPT, str(folder), **settings)
 
 
@@ -129,11 +131,18 @@ def test_a_result_of_another_type_compiles_the_callers(tmp_path, filled):
     assert _call(tmp_path / "one", filled, shift="(1.0 + 1.0j)")[0::4] == (16.0, ["entry", "unit"])
 
 
+PATH = os.environ["PATH"]
+LINKER = shutil.which("cc")
+# Code that is loaded in another way than from the library would be compiled by numba.njit.
+NO_LLVM = "import plymotion.solver.math.compiled.machine as module; module.add = None"
+needs_linker = pytest.mark.skipif(LINKER is None, reason="no linker")
+
+
 def test_two_processes_at_once(tmp_path):
     cache = tmp_path / "cache"
-    running = [_started(tmp_path / "one", cache) for _ in range(2)]
+    running = [_started(tmp_path / "one", cache, PATH=PATH) for _ in range(2)]
     assert {_read(process)[0] for process in running} == {16.0}
-    assert _call(tmp_path / "one", cache)[4] == []
+    assert _call(tmp_path / "one", cache, SETUP=NO_LLVM if LINKER else "")[4] == []
     assert not list(cache.rglob(".new-*"))
 
 
@@ -181,6 +190,98 @@ def test_one_lost_unit_is_compiled_before_its_caller_is_loaded(tmp_path, filled)
     assert _call(tmp_path / "one", cache) == (16.0, True, 1, 0, ["entry"])
 
 
+@pytest.fixture(scope="module")
+def linked_once(compiled_once, tmp_path_factory):
+    """A cache with a library."""
+    folder = tmp_path_factory.mktemp("linked")
+    shutil.copytree(compiled_once, folder / "cache")
+    assert _call(folder / "one", folder / "cache", PATH=PATH) == (16.0, True, 2, 0, [])
+    return folder / "cache"
+
+
+@pytest.fixture
+def linked(linked_once, tmp_path):
+    """A copy of that cache for one test."""
+    return Path(shutil.copytree(linked_once, tmp_path / "cache"))
+
+
+def _library(cache):
+    """Return the file of the library, and its units by symbol."""
+    for file in cache.glob("code/*"):
+        head = json.loads(file.read_bytes().split(b"\n")[1])
+        if head["name"] == "library":
+            return file, head["units"]
+    raise FileNotFoundError
+
+
+@needs_linker
+@pytest.mark.parametrize("damage", DAMAGES)
+def test_a_damaged_library_is_linked_anew(tmp_path, linked, damage):
+    """What it had comes from files in the meantime."""
+    assert _call(tmp_path / "one", linked, SETUP=NO_LLVM) == (16.0, True, 2, 0, [])
+    damage(_library(linked)[0])
+    assert _call(tmp_path / "one", linked, PATH=PATH) == (16.0, True, 2, 0, [])
+    assert _call(tmp_path / "one", linked, SETUP=NO_LLVM) == (16.0, True, 2, 0, [])
+
+
+@needs_linker
+def test_edits_leave_nothing_of_the_library_out_of_date(tmp_path, linked):
+    # of a unit: its caller in the library calls what it was
+    assert _call(tmp_path / "one", linked, shift=3.0, PATH=PATH) == (24.0, True, 1, 0, ["unit"])
+    assert _call(tmp_path / "one", linked, shift=3.0, SETUP=NO_LLVM) == (24.0, True, 2, 0, [])
+    # of the caller: it is compiled, and calls what the library has
+    found = _call(tmp_path / "one", linked, shift=3.0, start=1.0, PATH=PATH)
+    assert found == (25.0, True, 1, 0, ["entry"])
+    # of the type of a result
+    found = _call(tmp_path / "one", linked, shift="(1.0 + 1.0j)", PATH=PATH)
+    assert found == (16.0, True, 0, 0, ["entry", "unit"])
+    assert _call(tmp_path / "one", linked, shift="(1.0 + 1.0j)", SETUP=NO_LLVM)[2:4] == (2, 0)
+
+
+@needs_linker
+def test_a_library_of_another_processor_is_not_loaded(tmp_path, linked):
+    """One that can do less, and one that is called in another way by the user's system."""
+    lines = Path("/proc/cpuinfo").read_text().splitlines()
+    if not any(line.startswith("flags") for line in lines):
+        pytest.skip("LLVM says what this processor can do")
+    other = tmp_path / "cpuinfo"
+    setup = "import plymotion.solver.math.compiled.kept as kept; "
+    setup += f"kept.CPUINFO = {str(other)!r}; "
+    cores = [f"{line}1" if line.startswith(("cpu MHz", "siblings")) else line for line in lines]
+    other.write_text("\n".join(cores))
+    assert _call(tmp_path / "one", linked, SETUP=setup + NO_LLVM) == (16.0, True, 2, 0, [])
+    less = [line.rpartition(" ")[0] if line.startswith("flags") else line for line in lines]
+    other.write_text("\n".join(less))
+    assert _call(tmp_path / "one", linked, SETUP=setup)[2:] == (0, 0, ["entry", "unit"])
+
+
+@pytest.mark.parametrize("place", ["there", "."])
+def test_a_linker_that_fails_is_not_asked_again(tmp_path, filled, monkeypatch, place):
+    """One of the current folder is not asked at all."""
+    there = tmp_path / "there"
+    there.mkdir()
+    (there / "cc").write_text(f"#!/bin/sh\necho called >> {tmp_path}/calls\nexit 1\n")
+    (there / "cc").chmod(0o755)
+    monkeypatch.chdir(there)
+    for _ in range(2):
+        path = place if place == "." else str(there)
+        assert _call(tmp_path / "one", filled, PATH=path) == (16.0, True, 2, 0, [])
+    calls = tmp_path / "calls"
+    assert (calls.read_text() if calls.exists() else "") == ("" if place == "." else "called\n")
+
+
+@needs_linker
+def test_a_large_library_begins_anew(tmp_path, linked):
+    """With what the process has used of it."""
+    more = "import sample; sample.unit(1)"
+    assert _call(tmp_path / "one", linked, SETUP=more, PATH=PATH)[4] == ["unit"]
+    assert len(_library(linked)[1]) == 3
+    setup = "import plymotion.solver.math.compiled.linking as linking; linking.MOST_UNITS = 2"
+    found = _call(tmp_path / "one", linked, start=1.0, SETUP=setup, PATH=PATH)
+    assert found == (17.0, True, 1, 0, ["entry"])
+    assert len(_library(linked)[1]) == 2
+
+
 def test_a_cache_that_cannot_be_written(tmp_path):
     """A file stands where the folder would be: so even for a user who may write anywhere."""
     (tmp_path / "cache").write_text("no folder")
@@ -221,7 +322,7 @@ def test_plain_numpy_and_njit_give_the_same(tmp_path):
 
 def test_no_numba_at_all(tmp_path):
     """In a process of its own, which has never imported it."""
-    (tmp_path / "sample.py").write_text(MODULE.format(factor=2.0, shift=1.0))
+    (tmp_path / "sample.py").write_text(MODULE.format(factor=2.0, shift=1.0, start=0.0))
     path = os.pathsep.join(filter(None, [str(tmp_path), os.environ.get("PYTHONPATH")]))
     changes = {"SETUP": "import sys; sys.modules['numba'] = None", "PYTHONPATH": path}
     changes |= {"PLYMOTION_COMPILED": "1", "PLYMOTION_CACHE": str(tmp_path / "cache")}

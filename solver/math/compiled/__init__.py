@@ -12,11 +12,9 @@ Where Numba is of another version than the machinery is written for, numba.njit 
 It is slow: every function is compiled again with each one that calls it.
 """
 
-import json
 import logging
 import os
 import re
-import sys
 import time
 import warnings
 from collections.abc import Callable
@@ -26,9 +24,10 @@ from pathlib import Path
 from types import FunctionType
 from typing import Any, TypeVar
 
-from ..disk_cache import DiskCache, sources_sha256
-from . import doors
+from ..disk_cache import sources_sha256
+from . import doors, kept
 from .doors import array_head_is_known, parse, structure
+from .kept import note, noted
 from .parts import (
     FAST_MATH,
     Part,
@@ -36,7 +35,7 @@ from .parts import (
     Unit,
     digest,
     import_numba,
-    numba_version,
+    installed_version,
     part_named,
     statistics,
 )
@@ -44,11 +43,11 @@ from .parts import (
 __all__ = [
     "COMPILED",
     "inlined",
+    "installed_version",
     "jit",
     "lean",
     "note",
     "noted",
-    "numba_version",
     "rebound",
     "statistics",
     "structure",
@@ -67,8 +66,6 @@ SLOW = (
 
 
 LOWEST, NEWEST = (0, 62), (0, 68)  # versions of Numba that the tests were run with
-MOST_FILES = 2000  # of about 20 kB
-_CODE = DiskCache("code", MOST_FILES)
 
 
 class UnsupportedError(Exception):
@@ -84,32 +81,13 @@ def check_choice() -> None:
 @cache
 def check_versions() -> None:
     """Raise UnsupportedError for a Numba, or arrays of NumPy, that the machinery does not know."""
-    version = numba_version()
+    version = installed_version("numba")
     numbers = tuple(int(n) for n in re.findall(r"\d+", version)[:2])
     if not LOWEST <= numbers <= NEWEST:
         low, high = (".".join(map(str, v)) for v in (LOWEST, NEWEST))
         raise UnsupportedError(f"Numba {version}: fast compilation knows {low} to {high}")
     if not array_head_is_known():
         raise UnsupportedError("arrays of this NumPy are laid out in another way than expected")
-
-
-@cache
-def environment() -> str:
-    """Return the digest of what all functions are compiled by and for."""
-    import llvmlite
-    import llvmlite.binding as llvm
-
-    settings = sorted(f"{k}={v}" for k, v in os.environ.items() if k.startswith("NUMBA_"))
-    return digest(
-        numba_version(),
-        llvmlite.__version__,
-        sys.version,
-        llvm.get_default_triple(),
-        llvm.get_host_cpu_name(),
-        llvm.get_host_cpu_features().flatten(),
-        *settings,
-        sources_sha256("solver/math/compiled", apart=("solver/math/compiled/README.md",)),
-    )
 
 
 def unit(part: Part, text: str) -> Unit:
@@ -155,97 +133,71 @@ def _fallback(part: Part, error: Exception) -> Callable[..., Any]:
             RuntimeWarning,
             stacklevel=4,
         )
-    slow = dispatcher(part, folder())
+    slow = dispatcher(part, kept.folder())
     return lambda words, arguments: slow(*arguments)
 
 
-def _symbol(part: Part, text: str) -> str:
-    return f"plymotion_{digest(part.name, text)}"
-
-
 def _key(part: Part, text: str) -> str:
-    return digest(part.name, part.content(), text, environment())
+    return digest(part.name, part.content(), text, kept.environment())
 
 
 def _loaded(part: Part, text: str) -> Unit | None:
-    """Load a unit from the cache, after what it needs; None if it is not there."""
-    from . import machine
-
-    kept = _read(_key(part, text))
-    if kept is None:
+    """Load a unit from the library or its file, after what it needs; None if it is not there."""
+    symbol = kept.symbol_of(part.name, text)
+    found = kept.linked(symbol)
+    if found is not None:
+        return Unit(part, text, found.result, symbol)
+    key = _key(part, text)
+    file = kept.read(key)
+    if file is None:
         return None
-    description, code = kept
+    description, code = file
     for name, arguments, result in description["units"]:
         needed = part_named(name)
         if needed is None or needed.unit(arguments).result != result:
             return None
+    from . import linking, machine
+
     if not all(machine.available(symbol) for symbol in description["symbols"]):
         return None
     machine.add(code)
+    linking.note_other(part, symbol, key)
     statistics.loaded.append(part.name)
-    return Unit(part, text, description["result"], _symbol(part, text))
+    return Unit(part, text, description["result"], symbol)
 
 
 def _compiled(part: Part, text: str) -> Unit:
     check_versions()
     import_numba()
-    from . import building, machine
+    from . import building, linking, machine
 
-    symbol = _symbol(part, text)
+    symbol, key = kept.symbol_of(part.name, text), _key(part, text)
     result, code, needs = building.compiled_unit(part, text, symbol)
     machine.add(code)
     statistics.compiled.append(part.name)
-    description = {"name": part.name, "result": result, **needs}
-    statistics.kept &= _write(_key(part, text), description, code)
+    statistics.kept &= kept.write(key, {"name": part.name, "result": result, **needs}, code)
+    linking.note_other(part, symbol, key)
     return Unit(part, text, result, symbol)
 
 
 def _door_address(unit: Unit) -> int:
     """Return the address of a unit's door for Python."""
-    from . import machine
-
     symbol = f"{unit.symbol}_door"
-    key = digest("door", unit.symbol, unit.result, environment())
-    kept = _read(key)
-    if kept is not None:
-        machine.add(kept[1])
-        return machine.address(symbol)
-    import_numba()
-    from . import building
+    if kept.linked(unit.symbol) and (address := kept.address_in_library(symbol)):
+        return address
+    from . import linking, machine
 
-    code = building.compiled_door(unit.arguments, unit.result, unit.symbol, symbol)
-    _write(key, {"name": f"{unit.part.name} from Python"}, code)
+    key = digest("door", unit.symbol, unit.result, kept.environment())
+    _, code = kept.read(key) or ({}, b"")
+    if not code:
+        import_numba()
+        from . import building
+
+        code = building.compiled_door(unit.arguments, unit.result, unit.symbol, symbol)
+        kept.write(key, {"name": f"{unit.part.name} from Python"}, code)
     machine.add(code)
+    linking.note_other(unit.part, unit.symbol, key)
     return machine.address(symbol)
-
-
-def folder() -> Path | None:
-    """Return the folder of compiled code, made if missing; None if that is not possible."""
-    return _CODE.made()
-
-
-def _read(key: str) -> tuple[dict[str, Any], bytes] | None:
-    """Return the description and the object code kept under `key`; None if there is none."""
-    content = _CODE.read(key)
-    if content is None:
-        return None
-    head, _, code = content.partition(b"\n")
-    return json.loads(head), code
-
-
-def _write(key: str, description: dict[str, object], code: bytes) -> bool:
-    """Keep object code; return whether that was possible."""
-    return _CODE.write(key, json.dumps(description).encode() + b"\n" + code)
-
-
-def noted(*texts: str) -> bool:
-    """Return whether `note` was called with the same texts, in this environment."""
-    return _read(digest(*texts, environment())) is not None
-
-
-def note(name: str, *texts: str) -> None:
-    """Keep a note that has no code, under texts and the environment."""
-    _write(digest(name, *texts, environment()), {"name": name}, b"")
 
 
 _KEPT_CACHES = 4

@@ -7,6 +7,7 @@ one digest are compiled to the same code, wherever their files are.
 import functools
 import hashlib
 import inspect
+import marshal
 import os
 import sys
 import warnings
@@ -28,19 +29,19 @@ def digest(*texts: str | bytes) -> str:
 
 
 @cache
-def numba_version() -> str:
-    """Return the version of the Numba that is installed, without importing it.
+def installed_version(name: str) -> str:
+    """Return the version of a package that is installed, without importing it.
 
     From the name of the folder beside it: importlib.metadata takes 20 ms to import.
     """
-    spec = find_spec("numba")
+    spec = find_spec(name)
     for package in (spec.submodule_search_locations or []) if spec else []:
-        folders = list(Path(package).parent.glob("numba-*.dist-info"))
+        folders = list(Path(package).parent.glob(f"{name}-*.dist-info"))
         if len(folders) == 1:
-            return folders[0].name.removeprefix("numba-").removesuffix(".dist-info")
+            return folders[0].name.removeprefix(f"{name}-").removesuffix(".dist-info")
     import importlib.metadata
 
-    return importlib.metadata.version("numba")
+    return importlib.metadata.version(name)
 
 
 def import_numba() -> Any:
@@ -78,7 +79,8 @@ def content_of(function: Any) -> str:
     cells = zip(code.co_freevars, function.__closure__ or (), strict=True)
     read |= {name: cell.cell_contents for name, cell in cells}
     values = [(name, _value(value, code)) for name, value in read.items()]
-    return digest(repr((_code(code, function.__doc__), function.__defaults__, values)))
+    whole = _code(code, function.__doc__), function.__defaults__, values
+    return digest(marshal.dumps(whole, 2))  # later versions depend on what else is in memory
 
 
 def _names(code: CodeType) -> set[str]:
