@@ -239,6 +239,34 @@ def test_edits_leave_nothing_of_the_library_out_of_date(tmp_path, linked):
 
 
 @needs_linker
+def test_a_caller_in_the_library_of_another_result_is_compiled(tmp_path, linked):
+    """The unit was edited and linked again by a process that did not need its caller."""
+    alone = "import sample; sample.unit(1.0); sample.entry = abs"
+    alone += "; import numpy; numpy.arange = float"
+    changes = {"shift": "(1.0 + 1.0j)", "PATH": PATH}
+    assert _call(tmp_path / "one", linked, SETUP=alone, **changes)[4] == ["unit"]
+    assert _call(tmp_path / "one", linked, **changes) == (16.0, True, 1, 0, ["entry"])
+    changes["PATH"] = ""
+    assert _call(tmp_path / "one", linked, SETUP=NO_LLVM, **changes)[2:] == (2, 0, [])
+
+
+@needs_linker
+def test_what_another_process_has_linked_meanwhile_is_kept(tmp_path, linked):
+    """The way from Python to a unit, which this process calls by way of another one."""
+
+    def door():
+        (unit,) = (unit for unit in _library(linked)[1].values() if unit[0] == "sample:unit")
+        return unit[3]
+
+    _call(tmp_path / "one", linked, SETUP="import sample; sample.unit(1.0)", PATH=PATH)
+    assert door()
+    setup = "import plymotion.solver.math.compiled.kept as kept; kept._library = lambda: ({}, None)"
+    found = _call(tmp_path / "one", linked, start=1.0, SETUP=setup, PATH=PATH)
+    assert found == (17.0, True, 1, 0, ["entry"])
+    assert door()
+
+
+@needs_linker
 def test_a_library_of_another_processor_is_not_loaded(tmp_path, linked):
     """One that can do less, and one that is called in another way by the user's system."""
     lines = Path("/proc/cpuinfo").read_text().splitlines()

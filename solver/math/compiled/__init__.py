@@ -187,7 +187,7 @@ def _door_address(unit: Unit) -> int:
         return address
     from . import linking, machine
 
-    key = digest("door", unit.symbol, unit.result, kept.environment())
+    key = kept.door_key(unit.symbol, unit.result)
     _, code = kept.read(key) or ({}, b"")
     if not code:
         import_numba()
@@ -196,7 +196,7 @@ def _door_address(unit: Unit) -> int:
         code = building.compiled_door(unit.arguments, unit.result, unit.symbol, symbol)
         kept.write(key, {"name": f"{unit.part.name} from Python"}, code)
     machine.add(code)
-    linking.note_other(unit.part, unit.symbol, key)
+    linking.note_other(unit.part, unit.symbol, _key(unit.part, unit.arguments), door=True)
     return machine.address(symbol)
 
 

@@ -90,6 +90,11 @@ def symbol_of(name: str, text: str) -> str:
     return f"plymotion_{digest(name, text)}"
 
 
+def door_key(symbol: str, result: str) -> str:
+    """Return the key of the way from Python to a unit, by its symbol and the type of its result."""
+    return digest("door", symbol, result, environment())
+
+
 def in_memory(content: bytes = b"") -> FileIO:
     """Return a file that has no name and ends with the last process that has it open."""
     file = FileIO(os.memfd_create("plymotion"), "r+")
@@ -102,7 +107,8 @@ class Linked(NamedTuple):
 
     name: str  # of its part
     content: str  # digest of its part
-    files: list[str]  # keys of its object code, and of that of its door if it has one
+    key: str  # of the file of its object code
+    door: bool  # whether Python can call it
     result: str = ""  # type
     needs: Mapping[str, str] = {}  # units that it calls: types of their results, by symbol
 

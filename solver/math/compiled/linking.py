@@ -10,11 +10,11 @@ from pathlib import Path
 
 from .kept import (
     Linked,
+    door_key,
     environment,
     folder,
     in_memory,
     kept_library,
-    linked,
     read,
     sound,
     symbol_of,
@@ -34,20 +34,19 @@ HEAD = b"%-16s%-12d%-6d%-6d%-8s%-10d`\n"  # of a file in an archive (ar)
 others: dict[str, Linked] = {}  # units whose code, or door, this process has from elsewhere
 
 
-def note_other(part: Part, symbol: str, key: str) -> None:
-    """Note object code of a unit or its door that this process has not from the library.
+def note_other(part: Part, symbol: str, key: str, *, door: bool = False) -> None:
+    """Note a unit that this process has not from the library.
 
     Parameters
     ----------
     part : part of the unit
     symbol : of the unit
-    key : of the file
+    key : of its file
+    door : whether it was called from Python, and that way is not from the library
     """
     if not others:
         atexit.register(link)
-    before = others.get(symbol) or linked(symbol)
-    files = dict.fromkeys([*(before.files if before else []), key])
-    others[symbol] = Linked(part.name, part.content(), [*files])
+    others[symbol] = Linked(part.name, part.content(), key, door)
 
 
 def link() -> None:
@@ -61,7 +60,8 @@ def link() -> None:
         for symbol, unit in others.items()
         if symbol not in units
         or not sound.get(symbol, True)
-        or not {*unit.files} <= {*units[symbol].files}
+        or unit.key != units[symbol].key
+        or (unit.door and not units[symbol].door)
     ]
     linker, where = shutil.which("cc") or "", folder()
     # not `.` of PATH
@@ -69,18 +69,15 @@ def link() -> None:
         return
     if len(units) > MOST_UNITS:
         units = {symbol: unit for symbol, unit in units.items() if sound.get(symbol)}
-    for symbol, unit in others.items():
-        same = symbol in units and units[symbol].files[0] == unit.files[0]
-        files = dict.fromkeys([*unit.files, *(units[symbol].files if same else [])])  # with doors
-        units[symbol] = unit._replace(files=[*files])
     codes = {}
-    for symbol, unit in units.items():
-        pieces = [piece for key in unit.files if (piece := read(key)) is not None]
-        if len(pieces) == len(unit.files):
-            own, _ = pieces[0]
+    for symbol, unit in (units | others).items():
+        kept = read(unit.key)
+        if kept is not None:
+            own, code = kept
+            door = read(door_key(symbol, own["result"]))
             needs = {symbol_of(name, text): result for name, text, result in own["units"]}
-            units[symbol] = unit._replace(result=own["result"], needs=needs)
-            codes[symbol] = b"".join(_member(code) for _, code in pieces)
+            units[symbol] = unit._replace(door=bool(door), result=own["result"], needs=needs)
+            codes[symbol] = _member(code) + (_member(door[1]) if door else b"")
     while lost := [one for one in codes if not units[one].needs.keys() <= codes.keys()]:
         for symbol in lost:
             del codes[symbol]
