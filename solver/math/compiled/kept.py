@@ -71,7 +71,14 @@ def read(key: str) -> tuple[dict[str, Any], bytes] | None:
 
 
 def write(key: str, description: Mapping[str, object], code: bytes) -> bool:
-    """Keep object code; return whether that was possible."""
+    """Keep object code; return whether that was possible.
+
+    Parameters
+    ----------
+    key : digest of all that it depends on
+    description : plain data
+    code : object code
+    """
     return _CODE.write(key, json.dumps(description).encode() + b"\n" + code)
 
 
