@@ -11,6 +11,7 @@ import sys
 from collections.abc import Mapping
 from functools import cache
 from io import FileIO
+from itertools import takewhile
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -45,7 +46,8 @@ def _processor() -> list[str]:
     """Return the lines of the kernel about the first processor; LLVM's words without them."""
     try:
         with open(CPUINFO, encoding="utf-8", errors="replace") as file:
-            lines = [line for line in iter(file.readline, "\n") if line.startswith(_TELLING)]
+            first = takewhile(str.strip, file)  # up to an empty line
+            lines = [line for line in first if line.startswith(_TELLING)]
     except OSError:
         lines = []
     if any(line.startswith("flags") for line in lines):
