@@ -373,7 +373,7 @@ bench: $(EXUDYN) | $(COMPILED) ## The solver compared with Exudyn: build/benchma
 .PHONY: arena arena-quick
 arena arena-quick: $(LIGHT) $(FENICSX) | $(COMPILED) ## Scenes with truths, all codes, error against time: build/arena, docs/arena.md (arena-quick: a few)
 	. ./$(FENICSX) && export FENICSX_PYTHON && $(BENCH) benchmarks/arena/arena.py $(if \
-	    $(findstring quick,$@),--quick,--coverage 40 --write docs/arena.md) $(ARENA_OPTIONS)
+	    $(findstring quick,$@),--quick,--coverage 200 --write docs/arena.md) $(ARENA_OPTIONS)
 
 # Pinocchio and robots of others, in an environment of their own: wheels of 150 MB.
 ROBOTS := build/robots
