@@ -35,8 +35,8 @@ def test_a_refusal_delivers_all_modes_that_respond():
     assert package.n_mode == np.sum(np.abs(eta).max(axis=0) > 0.0)  # zero: do not respond
     assert "The result of the check is delivered" in answer_text(answer)
     assert entry(answer)["delivered"]["run"] == "check"
-    assert entry(answer)["delivered"]["error_at_most"] == answer.estimates
-    words = f"model {answer.estimates['force']:.1e}; delivered run at most about"
+    assert entry(answer)["delivered"]["error_at_most"] == {"force": None}  # it may not have settled
+    words = f"model {answer.estimates['force']:.1e}; delivered run not estimated"
     assert words in answer_text(answer)
 
 

@@ -47,7 +47,7 @@ class Answer:
     verdict : "planned", "met", "not met"
     horizon : time at which a change of 1e-6 has grown to the accuracy [s]; None: not in the run
     tried : name of the promotion, CPU time and signals (o, k) of each run on the way
-    settled : False where the check may change by its tolerance, and no other one shows how much
+    settled : False where the check may change by its tolerance: of requests that are not met
     beyond : where the delivered run leaves the range of the theory, in words
     plan_sha256 : of the plan as it was read from its file, or written there
     delivered : the run of the check; that of the model if the check did not reach the end

@@ -142,7 +142,7 @@ class Checking:
             with self._timed("check"):
                 answer.check = self.run(wanted) or answer.check
         answer.rounds += 1
-        answer.verdict = "not met"
+        answer.verdict, answer.settled = "not met", not self._ladder
         if answer.check is None or answer.trial is None:
             answer.reason = "the model of the plan cannot be assembled"
             if answer.check is None:
@@ -157,10 +157,10 @@ class Checking:
             if not self._ladder:
                 break
             change = self._changed()
-            answer.settled = change is not None
+            known = change is not None
             lacks = self._expected() if change is None else LACKING * change
             self._estimate(self._estimates + lacks)
-            if answer.settled and (self._fits() or float(lacks.max()) < apart):
+            if known and (self._fits() or float(lacks.max()) < apart):
                 break
             if not self._next_check(wanted):
                 answer.reason = self._unsettled()
@@ -240,7 +240,7 @@ class Checking:
         if reason := self._meshes():
             answer.reason = reason
             return True
-        answer.verdict, answer.reason = "met", ""
+        answer.verdict, answer.reason, answer.settled = "met", "", True
         if self.metric == "pointwise" and model.cpu < self.left():
             with self._timed("horizon"):
                 answer.horizon = horizon(model, answer.names, self.accuracy)
