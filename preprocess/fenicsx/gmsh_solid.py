@@ -71,7 +71,7 @@ def solid_from_file(
 
     Parameters
     ----------
-    size : of the cells [m], of a CAD file; None: PER_DIAGONAL of them
+    size : of the cells [m], of a CAD file; None: the diagonal over PER_DIAGONAL
     metres : unit of length of the file [m]; None: that in a STEP or IGES file
     parameters : of a script
     smallest : size over that of the smallest cells, of small radii of a CAD file

@@ -17,9 +17,8 @@ from ..exchange.reduce import reduce_body
 from ..fenicsx.team import ALONE, Team
 from ..modes.reference import Algebra, HeldDofs
 from .model import Mumps, SolidModel
-from .solid_mesh import FINER, MOST_SMALLER, SolidError, edge_length
+from .solid_mesh import FINER, MOST, SolidError, edge_length
 
-MOST = MOST_SMALLER  # unknowns for which degree 3, with 3.4 times as many, is not left out
 COMPARED = 6  # frequencies that `accuracy` is about
 ROUNDS = 5  # meshes that `accuracy` may take
 LARGEST = 1e100  # [m] displacement: strains of steel are below 1e-2

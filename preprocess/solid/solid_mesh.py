@@ -114,9 +114,9 @@ def face_centre(cell: str, face: int) -> Array:
 # Size over that of the smallest cells. Quadratic cells turn inside out at much smaller radii: then
 # straight ones are tried, and then smaller ones.
 SMALLEST = (8.0, 16.0, 32.0)
-# By default cells become smaller by FINER while the volume is off by more than GAP, which 14 cells
-# around a circle keep, up to MOST_SMALLER unknowns, for which frequencies have error estimates.
-GAP, FINER, MOST_SMALLER = 1e-4, 1.5, 60_000
+FINER = 1.5  # size of the cells over that of the next mesh
+GAP = 1e-4  # of the volume, which 14 cells around a circle keep
+MOST = 60_000  # unknowns for which degree 3, with 3.4 times as many, is not left out
 THINNEST = 1e-6  # least extent of a solid relative to the largest
 
 
@@ -215,12 +215,16 @@ def _close_to_cad(
     curved, so that their edges stay straight.
     """
     mesh = _made(file, changed, None, unit, parameters)
+    gap = _volume_gap(mesh) if mesh.exact else 0.0
     size = float(np.linalg.norm(np.ptp(mesh.plain.points, axis=0))) / PER_DIAGONAL
-    while mesh.exact and (gap := _volume_gap(mesh)) > GAP:
+    while gap > GAP and 3 * len(mesh.plain.points) * FINER**3 <= MOST:
         size /= FINER
-        finer = _made(file, changed, size, unit, parameters)
-        small = 3 * len(finer.plain.points) <= MOST_SMALLER
-        if not small or _volume_gap(finer) > 0.5 * gap:  # OpenCASCADE's volume may be wrong
+        try:
+            finer = _made(file, changed, size, unit, parameters)
+        except (fenicsx.MeshError, SolidError):  # the mesh that is there is sound
+            break
+        before, gap = gap, _volume_gap(finer)
+        if gap > 0.5 * before:  # OpenCASCADE's volume may be wrong
             break
         mesh = finer
     return mesh

@@ -27,6 +27,7 @@ from samples.solid_samples import (
 )
 
 from plymotion.preprocess.fenicsx import MeshError, gmsh_alone, gmsh_session
+from plymotion.preprocess.solid import solid_mesh
 from plymotion.preprocess.solid.model import SolidModel
 from plymotion.preprocess.solid.solid_analysis import free_hertz
 from plymotion.preprocess.solid.solid_mesh import SolidError
@@ -105,6 +106,20 @@ def test_default_cells_fit_thin_curved_parts(tmp_path: Path) -> None:
         x = body.rigid_motions()[:, 0]
         assert len(x) < 20_000
         assert (abs(x @ body.M @ x / exact - 1.0) > RTOL) == off
+
+
+def test_default_cells_that_would_become_too_many_stay(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Without another mesh, which could take minutes or be refused."""
+    file = tmp_path / "blade.step"
+    step_file(file, _blade)
+    meshes: list[Any] = []
+    made = solid_mesh._made
+    monkeypatch.setattr(solid_mesh, "_made", lambda *how: meshes.append(how) or made(*how))
+    monkeypatch.setattr(solid_mesh, "MOST", 10_000)  # the default mesh has 3400 unknowns
+    model_of(file, None)
+    assert len(meshes) == 1
 
 
 @pytest.mark.parametrize("draw", [bracket, tube])
