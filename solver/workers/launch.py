@@ -20,6 +20,7 @@ import plymotion
 
 from ..errors import InputError
 from ..inputs.common.mesh_files import are_refused, content_sha256
+from ..package.common.files import remove_unfinished
 from ..system.platform import end, link_or_copy, own_group
 from .executors import Executor, Local, Task, distribute
 from .interpreter import LAUNCHER, find_interpreter
@@ -139,6 +140,7 @@ class Preprocessor:
         # What specifications name may be relative to the current folder at the start. A fork of
         # this process must not use it.
         self.made_in = os.getcwd(), os.getpid()
+        self._folder: Path | None = None  # of the file under way, or of the last one
         self.timer: threading.Timer | None = None  # ends it when it has had no work for a time
         self._errors = tempfile.TemporaryFile()  # noqa: SIM115  as long as the process
         # -P: modules of the current folder must not shadow installed ones. A new session:
@@ -167,6 +169,7 @@ class Preprocessor:
         """
         assert self._process.stdin is not None
         assert self._process.stdout is not None
+        self._folder = spec.parent
         with contextlib.suppress(BrokenPipeError):  # it has ended, and says no more
             self._process.stdin.write(f"{spec}\n")
             self._process.stdin.flush()
@@ -195,6 +198,8 @@ class Preprocessor:
         except subprocess.TimeoutExpired:
             end(self._process, at_once=True)  # and its compiler processes, if any
             self._process.wait()
+        if self._folder is not None:  # a process that was killed has not cleaned up
+            remove_unfinished(self._folder)
 
     def exit_code(self) -> int:
         """Exit code of the process; negative: ended by that signal."""

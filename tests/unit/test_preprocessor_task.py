@@ -1,11 +1,14 @@
 """The task of a worker that has a file made: what it says when the preprocessor does not start."""
 
 import os
+import threading
+import time
 
 import pytest
 
 import plymotion as pm
 from plymotion.solver.errors import InputError
+from plymotion.solver.package.common import files
 from plymotion.solver.workers import launch
 
 
@@ -33,6 +36,25 @@ def test_a_preprocessor_that_does_not_start_is_named(tmp_path, monkeypatch):
     start = launch.Start("", "body", ())
     with pytest.raises(InputError, match=f"^{python}: the preprocessor does not run: "):
         launch.make(start, tmp_path / "body.json")
+
+
+@pytest.mark.skipif(os.name == "nt", reason="a script without suffix does not run there")
+def test_the_file_of_a_killed_preprocessor_is_removed(tmp_path):
+    """One that is deep in a factorisation does not hear an interruption in time."""
+    python = tmp_path / "python"
+    made = f"{tmp_path}/.body.{files._HOST}-$$-0123abcd.vtkhdf"
+    python.write_text(f"#!/bin/sh\ntrap '' INT\nread spec\n: >{made}\nexec sleep 60\n")
+    python.chmod(0o755)
+    own = launch.Preprocessor(launch.Start(str(python), "body", ()))
+    made = made.replace("$$", str(own._process.pid))
+    thread = threading.Thread(target=own.make, args=(tmp_path / "body.json", lambda _: None))
+    thread.start()
+    while not os.path.exists(made):
+        time.sleep(0.01)
+    own.interrupt()
+    own.end(0.1)
+    thread.join()
+    assert not os.path.exists(made)
 
 
 def test_python_keeps_fenicsx_loaded_and_commands_end_it(

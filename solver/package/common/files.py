@@ -326,10 +326,14 @@ def kept_table(file: Path) -> dict[str, Any]:
 
 
 def _clean(folder: Path) -> None:
-    """Remove what processes of this machine that are no more have left, once for each folder."""
-    if folder in _cleaned:
-        return
-    _cleaned.add(folder)
+    """Do `remove_unfinished` once for each folder."""
+    if folder not in _cleaned:
+        _cleaned.add(folder)
+        remove_unfinished(folder)
+
+
+def remove_unfinished(folder: Path) -> None:
+    """Remove temporary files that processes of this machine have left which are no more."""
     with contextlib.suppress(OSError):
         for file in folder.iterdir():
             match = _OURS.fullmatch(file.name)
