@@ -17,7 +17,8 @@ from ..exchange.reduce import reduce_body
 from ..fenicsx.team import ALONE, Team
 from ..modes.reference import Algebra, HeldDofs
 from .model import Mumps, SolidModel
-from .solid_mesh import FINER, MOST, SolidError, edge_length
+from .solid_mesh import FINER, SolidError, edge_length
+from .tolerances import MOST
 
 COMPARED = 6  # frequencies that `accuracy` is about
 ROUNDS = 5  # meshes that `accuracy` may take

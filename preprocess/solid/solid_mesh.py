@@ -20,6 +20,7 @@ from ..fenicsx.gmsh_alone import GmshEndedError, apart
 from ..fenicsx.gmsh_solid import PER_DIAGONAL, STEP, CadPart, GmshSolid, solid_from_file
 from ..mesh_input import is_refused
 from .step import check_step
+from .tolerances import GAP, MOST
 
 
 class SolidError(Exception):
@@ -115,8 +116,6 @@ def face_centre(cell: str, face: int) -> Array:
 # straight ones are tried, and then smaller ones.
 SMALLEST = (8.0, 16.0, 32.0)
 FINER = 1.5  # size of the cells over that of the next mesh
-GAP = 1e-4  # of the volume, which 14 cells around a circle keep
-MOST = 60_000  # unknowns for which degree 3, with 3.4 times as many, is not left out
 THINNEST = 1e-6  # least extent of a solid relative to the largest
 
 
