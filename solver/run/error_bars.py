@@ -43,7 +43,12 @@ Execute = Callable[[RunSpec], tuple[RunResult, Summary]]
 def with_error_bars(summary: Summary, spec: RunSpec, result: RunResult, execute: Execute) -> None:
     """Add `error_bar` to the signals of the summary of a finished run, and the entry `error_bars`.
 
-    See `error_bars`.
+    Parameters
+    ----------
+    summary : of the run; it is changed in place
+    spec : the run
+    result : of the run: its output times and signals
+    execute : integrates the coarser run
     """
     codes = [finding["code"] for finding in summary["warnings"]]
     steps = summary["cost"]["steps"]
@@ -66,6 +71,15 @@ def error_bars(
     A bar is the largest difference over all output times, in the unit of the signal, times a factor
     of safety. It is None, with a `reason`, where the second run does not end as the first one did,
     and for reactions in runs that begin with sudden loads, which no number of modes gives.
+
+    Parameters
+    ----------
+    spec : the run
+    t : (n_t,) output times of the run [s]
+    signals : of the run at these times
+    steps : of the integrator in the run; few of them ask for a tighter second run
+    codes : of the findings of the run (results/codes.py)
+    execute : integrates the coarser run; its InputError becomes the `reason`
     """
     begin, reason, known = time.process_time(), "", {}
     few = steps < FEW_STEPS

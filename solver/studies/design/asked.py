@@ -35,10 +35,25 @@ def asked_of(
     *,
     coarse: bool,
 ) -> tuple[RunSpec, list[Parameter], Sequence[str], Array | None]:
-    """Return a run, its parameters, and the keys that they are of; see `compute_sensitivities`.
+    """Return a run, its parameters, the keys of the derivatives, and shares.
 
     Many design parameters are replaced by fewer that change the packages in all ways that they do
-    (`combined`); then the last is (fewer, keys): what a parameter has of each.
+    (`combined`). Shares (fewer, keys) then say what a parameter has of each key; None otherwise.
+
+    Parameters
+    ----------
+    table, file : content of a case file, and its name for messages and relative paths
+    run : name of the run
+    keys : of numbers of the mechanism, names of `[design.parameters]`, or parameters of packages;
+        none: all of `[design.parameters]` that are no choice
+    build : folder of the case, where packages are built
+    packages : folder of packages that are there already; None: they are built
+    coarse : bodies have coarse meshes
+
+    Raises
+    ------
+    InputError
+        A key twice or none; a key that is no number, or has no derivative.
     """
     if twice := {key for key in keys if list(keys).count(key) > 1}:
         raise InputError(f"--of {few(twice)}: given twice")

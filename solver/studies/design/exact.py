@@ -52,8 +52,12 @@ Specs = Mapping[str, BodySpec]
 def beside(p: Array, steps: Array, ranges: Array | None = None) -> list[Array]:
     """Return a design and those less and plus a step of each parameter: 1 + 2 p of them.
 
-    With `ranges` (p, 2) those of a parameter at a bound are moved inwards: a case may not have an
-    angle beyond 90 degrees.
+    Parameters
+    ----------
+    p : (p,) values of the parameters
+    steps : (p,) of the parameters
+    ranges : (p, 2) bounds. Where a step would pass one, both designs of this parameter are moved
+        inwards: a case may not have an angle beyond 90 degrees.
     """
     moved = np.zeros(p.size)
     if ranges is not None:
@@ -282,7 +286,14 @@ def _spans(prepared: Prepared, t: Array, y: Array, units: Array) -> Array:
 def by_adjoint(
     traced: Traced, parameters: Sequence[Parameter], measures: Sequence[Measure], made: Made
 ) -> list[Array]:
-    """Return derivatives (r, P) of the values of measures of one run by its parameters.
+    """Return derivatives (r, P) of the r values of each measure of one run.
+
+    Parameters
+    ----------
+    traced : the run with its steps
+    parameters : the P parameters, with the runs beside
+    measures : of this run
+    made : the same run with its recording
 
     Raises
     ------
@@ -313,9 +324,16 @@ def adjoint_slopes(
     measures: Sequence[Measure],
     made: Made,
 ) -> list[list[list[float]]] | None:
-    """Return the slopes of all measures of a design; None where the adjoint does not serve.
+    """Return slopes by measure, value and parameter; None where the adjoint does not serve.
 
     Signals that read another run, and what `gradients` refuses, are left to the tangent.
+
+    Parameters
+    ----------
+    traced : run of the design by name, and those that its signals read
+    parameters : the P parameters, with the runs beside
+    measures : of the study, of runs or of packages alone
+    made : the design
     """
     if list(traced) != [made.spec.run]:
         return None

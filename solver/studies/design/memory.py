@@ -53,7 +53,14 @@ class Memory:
         return self.known.get((kind, _text(p)))
 
     def put(self, kind: str, p: Array, value: Any) -> None:
-        """Keep what was computed of a design."""
+        """Keep what was computed of a design.
+
+        Parameters
+        ----------
+        kind : "values" or "slopes"
+        p : (p,) parameters of the design
+        value : plain data that JSON can keep
+        """
         self.known[kind, _text(p)] = value
         line = _sealed({"kind": kind, "x": _text(p), "found": value}) + "\n"
         out = os.open(self.file, os.O_WRONLY | os.O_APPEND)

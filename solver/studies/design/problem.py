@@ -121,7 +121,14 @@ class Problem:
             self.bounds = np.r_[self.bounds, [[-FEASIBLE if self.restoring else -1e6, 1e6]]]
 
     def again(self, z0: Array, space: Space, *, restoring: bool = False) -> "Problem":
-        """Return the problem with another begin, in a space that may be smaller."""
+        """Return the problem with another start.
+
+        Parameters
+        ----------
+        z0 : (z,) free parameters of the start
+        space : the free parameters, which may be fewer than before
+        restoring : make the violation of the limits small in place of the objective
+        """
         return Problem(self.designs, self.study, self.measures, space, z0, restoring=restoring)
 
     @property

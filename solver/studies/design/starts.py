@@ -108,7 +108,13 @@ def opened(given: StudySpec, key: str) -> tuple[Trials, Space, Memory]:
 
 
 def compute_start(given: StudySpec, key: str, number: int) -> Start:
-    """Compute a start, or what is missing of it: a task of an executor."""
+    """Compute a start, or what is missing of it: a task of an executor.
+
+    Parameters
+    ----------
+    key : digest of what its numbers depend on, as of its memory
+    number : of the start, a row of `first_points`
+    """
     trials, space, memory = opened(given, key)
     study = trials.study
     z0 = first_points(study, space)[number]
@@ -124,7 +130,19 @@ def compute_start(given: StudySpec, key: str, number: int) -> Start:
 def search(
     start: Start, study: CheckedStudy, problem_at: Callable[[Array], Problem], z0: Array
 ) -> None:
-    """Go from free parameters (z,) to the best design; what becomes of it goes into `start`."""
+    """Go from free parameters to the best design.
+
+    Parameters
+    ----------
+    start : gets what becomes of it
+    problem_at : returns the problem that begins at free parameters (z,)
+    z0 : (z,) where it begins
+
+    Raises
+    ------
+    InputError
+        The design at z0 is invalid.
+    """
     problem = problem_at(z0)
     _descend(problem, start, study)
     for _ in range(TURNS):
@@ -155,7 +173,7 @@ def _allowed(problem: Problem, start: Start, study: CheckedStudy, best: Point) -
     """Search allowed values, then continuous parameters beside them, in turn while that helps."""
     free = [k for k, values in enumerate(problem.space.allowed) if not values]
     for _ in range(RESTORED):
-        start.best = best = discrete(problem, study, best)
+        start.best = best = _discrete(problem, study, best)
         if not best.shown:
             wrong = few(broken(study, np.array(best.p))) or "values that are not allowed"
             start.best, start.message = None, f"no design near it follows the rules: {wrong}"
@@ -214,7 +232,7 @@ def _beside_saddle(problem: Problem, study: CheckedStudy, number: int) -> Array 
     return None if np.array_equal(turned, z) else turned
 
 
-def discrete(problem: Problem, study: CheckedStudy, start: Point) -> Point:
+def _discrete(problem: Problem, study: CheckedStudy, start: Point) -> Point:
     """Return the best design of allowed values near a continuous one.
 
     If few designs follow the rules, all are computed, because no change of one ply may lead from

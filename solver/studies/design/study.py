@@ -84,6 +84,12 @@ def optimise(
 ) -> dict[str, Any]:
     """Compute a study, or what is missing of it; write and return the content of design.json.
 
+    Parameters
+    ----------
+    executor : makes what distributes the starts over processes
+    fresh : compute again what is known of designs
+    show : a progress bar, even where the output is no terminal
+
     Raises
     ------
     InputError

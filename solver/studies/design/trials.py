@@ -408,7 +408,22 @@ class Trials:
             return _line(error)
 
     def spec(self, run: str, members: Members, k: int, files: Mapping[str, Path]) -> RunSpec:
-        """Return a run of a design with its packages. Raises PackageError."""
+        """Return a run of a design with its packages.
+
+        Parameters
+        ----------
+        run : name of the run
+        members : the designs of this run
+        k : number of the design among them
+        files : package files by digest of the specification
+
+        Raises
+        ------
+        PackageError
+            A package that cannot be read.
+        InputError
+            A package that could not be built.
+        """
         mechanism, specs = self.mechanism(members, k), model_and_check(members.bodies[k])[0]
         for name, s in specs.items():
             if why := self._failed.get(files[s.inputs_sha256]):
@@ -438,7 +453,11 @@ class Trials:
     ) -> Made | str:
         """Integrate a run if a measure needs it; return why it is invalid if it is.
 
-        `traces` gets what tangents need, of the run and of those that its signals read.
+        Parameters
+        ----------
+        spec : the run
+        others : runs that its signals read, by name
+        traces : gets what tangents need, of the run and of those that its signals read
 
         Raises
         ------

@@ -203,7 +203,15 @@ def of_model(plan: Plan, spec: RunSpec) -> Plan:
 def checked_member(
     spec: RunSpec, check: Mapping[str, ModalPackage], plan: Plan, *, promote: bool = False
 ) -> Answer:
-    """Return the answer of a member for a given plan: its model and its check are run."""
+    """Return the answer of a member for a given plan: its model and its check are run.
+
+    Parameters
+    ----------
+    spec : run of the member, with the rich packages of its model
+    check : the rich packages of its check
+    plan : of all members
+    promote : as for `checked`: promote what is too coarse
+    """
     answer = plan_of(spec, check)
     answer.plan = plan
     return checked(answer, promote=promote)

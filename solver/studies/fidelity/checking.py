@@ -36,7 +36,13 @@ def power_of(kind: str) -> float:
 
 
 def tail(m: int, n: int, power: float = POWER) -> float:
-    """Return the contribution of vibrations above n, over that of m + 1 to n."""
+    """Return the contribution of vibrations above n, over that of m + 1 to n.
+
+    Parameters
+    ----------
+    m, n : numbers of vibrations, m < n; 0 if n = m
+    power : by which contributions decrease: that of number i is i^-power
+    """
     known = float((np.arange(m + 1, n + 1) ** -power).sum())
     return (n + 0.5) ** (1.0 - power) / (power - 1.0) / known if known else 0.0
 

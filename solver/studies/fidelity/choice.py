@@ -171,6 +171,11 @@ def write_plan(file: Path, plan: Plan, remarks: list[str]) -> None:
     """Write a plan as TOML with remarks, under a temporary name that is then renamed.
 
     Another plan of this name, which may have been edited, is kept as NAME.previous.toml.
+
+    Parameters
+    ----------
+    file : of the plan, in a folder that is there
+    remarks : comments at its top, a line each
     """
     table = plan.table()
     bodies = table.pop("bodies")
@@ -187,6 +192,12 @@ def kept_plan(file: Path, known: Known, digest: str) -> Plan | None:
     """Read a plan if it is there and was made for the inputs of this digest; see `read_plan`.
 
     A plan of other inputs may name bodies and vibrations that are no more: it is not looked at.
+
+    Parameters
+    ----------
+    file : of the plan
+    known : labels of the vibrations of each flexible body, by mesh
+    digest : of the inputs
     """
     if not file.exists():
         return None
@@ -212,7 +223,19 @@ def read_plan(file: Path, known: Known) -> Plan:
 
 
 def plan_of_table(file: Path, content: Mapping[str, Any], known: Known) -> Plan:
-    """Return the plan of the content of a file; see `read_plan`."""
+    """Return the plan of the content of a file.
+
+    Parameters
+    ----------
+    file : its name for messages
+    content : of the TOML file
+    known : labels of the vibrations of each flexible body, by mesh
+
+    Raises
+    ------
+    InputError
+        As `read_plan`.
+    """
     table = validated(PlanTable, content, file)
     bodies = dict[str, BodyPlan]()
     for name, body in table.bodies.items():

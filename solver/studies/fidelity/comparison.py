@@ -20,7 +20,13 @@ if TYPE_CHECKING:
 
 
 def difference(metric: str, one: Array, two: Array) -> Array:
-    """Return the difference of histories (..., k) by a metric of `[fidelity]`, (...)."""
+    """Return the difference (...) of histories.
+
+    Parameters
+    ----------
+    metric : of `[fidelity]`: "pointwise", "extremum" or "rms"
+    one, two : (..., k) values at k output times
+    """
     if metric == "extremum":
         high = np.abs(one.max(axis=-1) - two.max(axis=-1))
         return np.asarray(np.maximum(high, np.abs(one.min(axis=-1) - two.min(axis=-1))))
@@ -106,7 +112,15 @@ class Relatives:
 
 
 def relatives(names: list[str], mechanism: Any, built: BuiltMechanism, y0: Array) -> Relatives:
-    """Return the relatives of signals of a mechanism in state y0 (n,), which gives its size."""
+    """Return the relatives of signals of a mechanism in state y0 (n,), which gives its size.
+
+    Parameters
+    ----------
+    names : of the signals
+    mechanism : of the case, with all its signals
+    built : the mechanism
+    y0 : (n,) state that gives the size of the mechanism
+    """
     size = extent(built.model, y0)
     table = dict(mechanism.signals)
     least: dict[str, float] = {}

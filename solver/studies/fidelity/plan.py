@@ -278,7 +278,13 @@ def check_plan(plan: Plan, check: Mapping[str, Rich], tighter: float = TIGHTER) 
 def planned(
     spec: RunSpec, plan: Plan, model: Mapping[str, Rich], check: Mapping[str, Rich]
 ) -> RunSpec:
-    """Return a run with the model of a plan."""
+    """Return a run with the model of a plan.
+
+    Parameters
+    ----------
+    spec : the run
+    model, check : rich packages by body
+    """
     packages = dict(spec.packages)
     for name, body in plan.bodies.items():
         rich = (check if body.mesh == "check" else model)[name]
@@ -290,7 +296,15 @@ def planned(
 def with_solver(
     mechanism: "Mechanism", rtol: float, *, stiffening: bool, **values: Any
 ) -> "Mechanism":
-    """Return a mechanism whose absolute tolerances follow from rtol, and other values of it."""
+    """Return a mechanism with other settings of its solver.
+
+    Parameters
+    ----------
+    mechanism : of the case
+    rtol : relative tolerance, from which the absolute ones follow
+    stiffening : geometric stiffening
+    values : other settings by key of `[solver]`
+    """
     values |= {"rtol": rtol, "geometric_stiffening": stiffening}
     tolerances = dict.fromkeys(("atol_position", "atol_velocity"))
     solver = with_values(mechanism.solver, **values, **tolerances)

@@ -62,7 +62,12 @@ def attempted(
 ) -> Trial | None:
     """Run a plan; None if its model cannot be assembled.
 
-    `quiet` (o,) are the signals that are rounding by the indicators.
+    Parameters
+    ----------
+    spec : the run
+    model, check : rich packages by body
+    names : of the o signals
+    quiet : (o,) those that are rounding by the indicators; None: not known
     """
     begin = work_s()
     return _ran(planned(spec, plan, model, check), plan, names, quiet, begin)
@@ -95,6 +100,11 @@ def distance(metric: str, one: Trial, two: Trial) -> Array:
     """Return the difference (o,) of the signals of two runs, of the largest value of the second.
 
     Infinite if one of them ended early.
+
+    Parameters
+    ----------
+    metric : of `[fidelity]`: "pointwise", "extremum" or "rms"
+    one, two : runs with the same signals and output times
     """
     if not (one.complete and two.complete):
         return np.full(len(two.signals), np.inf)
@@ -161,6 +171,15 @@ def promoted(
     A share above the accuracy is large whatever the others are: another round would have to
     promote it. The tolerance is promoted for its own share, or if nothing else is left, because
     the plan then needs another check.
+
+    Parameters
+    ----------
+    plan : that was checked
+    check : the plan of its check
+    ranked : labels of the vibrations by body, as for `promotions`
+    shares : what single promotions change; none if they were not run
+    estimate : error of the model
+    accuracy : that is asked for, relative as `estimate`
     """
     largest = max((share.value for share in shares), default=0.0)
     every = not shares or estimate > 2.0 * largest
@@ -179,9 +198,15 @@ CHANGE = 1e-6  # of the masses of the bodies, relative; another one for each bod
 
 
 def horizon(trial: Trial, names: list[str], accuracy: float) -> float | None:
-    """Return the time [s] from which a signal of the changed run differs by `accuracy`.
+    """Return the time [s] from which a signal of the run with changed masses differs too much.
 
     None if that is never, or if the changed run ends early.
+
+    Parameters
+    ----------
+    trial : the run
+    names : of the signals
+    accuracy : largest difference, of the largest value of the signal
     """
     other = _ran(changed(trial.spec), trial.plan, names, None, 0.0)
     if other is None or not (other.complete and trial.complete):

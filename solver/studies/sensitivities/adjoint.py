@@ -56,7 +56,14 @@ class Adjoint(Tangent):
         self.gradient = np.zeros((len(columns), count))
 
     def back(self, steps: Steps, times: Array, by_state: Array) -> None:
-        """Carry them back over steps without a jump; by_state (m, 2 n_vel + n_aux, v) at times."""
+        """Carry the derivatives back over steps without a jump.
+
+        Parameters
+        ----------
+        steps : of the integrator, with stages
+        times : (m,) output times within them [s]
+        by_state : (m, 2 n_vel + n_aux, v) derivatives of the v numbers by the states at these
+        """
         for equations in self.equations(steps, backwards=True):
             own = equations.own(times)
             self._back(equations, times[own], by_state[own])

@@ -13,7 +13,19 @@ RESULT, SUMMARY = "result.vtkhdf", "summary.json"
 
 
 def write_sensitivities(folder: Path, result: RunResult, summary: Summary) -> list[str]:
-    """Write result.vtkhdf, summary.json and, of signals, report.html; return their names."""
+    """Write result.vtkhdf, summary.json and, of signals, report.html; return their names.
+
+    Parameters
+    ----------
+    folder : is made if it is not there
+    result : with the derivatives of signals; none: the summary has those of an objective
+    summary : of the run
+
+    Raises
+    ------
+    InputError
+        A file of these names that another program wrote.
+    """
     for name in (SUMMARY, PAGE):
         refuse_foreign(folder / name)
     folder.mkdir(parents=True, exist_ok=True)

@@ -179,7 +179,15 @@ class Followed:
 def followed(
     prepared: Prepared, parameters: Sequence[Parameter], steps: Iterable[Steps], y: Array
 ) -> Followed:
-    """Return a run with its tangent along the steps of its trace; y (n_t, n): at the outputs."""
+    """Return a run with its tangent at the output times.
+
+    Parameters
+    ----------
+    prepared : the run
+    parameters : the P parameters
+    steps : of its trace, with stages
+    y : (n_t, n) states at the output times
+    """
     follower, pairs = _following(prepared, parameters)
     for each in steps:
         follower.take(each)
@@ -425,7 +433,17 @@ def beside_motion(
     pair: tuple[Variant, Variant],
     held: dict[str, object],
 ) -> Iterator[tuple[Variant, Recording]]:
-    """Yield mechanisms beside a run, and their motions along a column of its tangent."""
+    """Yield mechanisms beside a run, and their motions along a column of its tangent.
+
+    Parameters
+    ----------
+    prepared : the run
+    t, y : (n_t,) [s], (n_t, n) its motion
+    S : (n_t, 2 n_vel + n_aux) column of the tangent, or (2 n_vel + n_aux,) for all times
+    h : the motions are those at -h S and h S
+    pair : the mechanisms at -h and h
+    held : points of plies that govern in the motion itself, which stay
+    """
     for sign, each in zip((-1.0, 1.0), pair, strict=True):
         moved = displaced(prepared.model, y, sign * h * S)
         yield each, Recording(each.built.model, t, moved, {HELD: held})
@@ -438,7 +456,16 @@ def sensors_beside(
     wanted: Container[str] | None = None,
     histories: Histories | None = None,
 ) -> dict[str, Sensor]:
-    """Return the sensors of a mechanism beside a run, which have looked at its motion."""
+    """Return the sensors of a mechanism beside a run, which have looked at its motion.
+
+    Parameters
+    ----------
+    prepared : the run
+    each : mechanism beside it
+    recording : its motion
+    wanted : names of signals; None: all
+    histories : signals of other runs that these read
+    """
     signals, materials = prepared.mechanism.signals, prepared.mechanism.materials
     own = sensors(each.built, signals, materials, wanted=wanted, histories=histories)
     for sensor in own.values():
@@ -448,7 +475,13 @@ def sensors_beside(
 
 
 def change_of(low: Array, high: Array, unit: str) -> Array:
-    """Return high - low; of angles [rad] that of the same turn."""
+    """Return high - low; of angles [rad] that of the same turn.
+
+    Parameters
+    ----------
+    low, high : values of a signal, of one shape
+    unit : of both; differences in "rad" lie within half a turn
+    """
     change = high - low
     return (change + np.pi) % (2.0 * np.pi) - np.pi if unit == "rad" else change
 

@@ -246,7 +246,14 @@ class Partials:
     def summed(
         self, t: Array, y: Array, a: Array, multipliers: Array, base: Array, weights: Array
     ) -> Array:
-        """Return sums (P, v) of the same over states and terms with weights (k, w, v)."""
+        """Return sums (P, v) of the derivatives over states and terms, with weights.
+
+        Parameters
+        ----------
+        t, y, a, multipliers : (k,) [s], (k, n), (k, n_vel), (k, n_c) the states
+        base : (k, w) the terms there
+        weights : (k, w, v) of the terms in v numbers
+        """
         sums = np.zeros((self._count, weights.shape[2]))
         for shares, partial in zip(
             self._shares.T, self._of_models(t, y, a, multipliers, base), strict=True

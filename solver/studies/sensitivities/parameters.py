@@ -48,8 +48,14 @@ def with_parameters(
 ) -> tuple[Case, list[tuple[str, float, CheckedSweep]]]:
     """Return a checked case, and for each key its number and the run with that less and plus h.
 
-    Keys are those of sweeps (docs/sweeps.md). Numbers that are expressions of `[parameters]`
-    follow.
+    Numbers that are expressions of `[parameters]` follow.
+
+    Parameters
+    ----------
+    table, file : content of a case file, and its name for messages and relative paths
+    run : name of the run
+    keys : of numbers of the mechanism, as in sweeps (docs/sweeps.md)
+    coarse : bodies have coarse meshes
 
     Raises
     ------
@@ -88,7 +94,15 @@ def with_parameters(
 
 
 def parameter_of(spec: RunSpec, key: str, value: float, sweep: CheckedSweep) -> Parameter:
-    """Return a parameter of a run from the two members of its sweep."""
+    """Return a parameter of a run.
+
+    Parameters
+    ----------
+    spec : the run
+    key : of the number in the case
+    value : of the number
+    sweep : with two members, less and plus h
+    """
     minus, plus = (spec.changed(changes) for changes in sweep.own.changes)
     low, high = map(float, sweep.points[:, 0])
     return Parameter(key, sweep.parameters[0].unit, value, 0.5 * (high - low), minus, plus)
@@ -182,9 +196,16 @@ def variant(spec: RunSpec, base: Model) -> Variant:
 
 
 def start_tangent(model: Model, y0: Array, minus: Array, plus: Array, h: float) -> Array:
-    """Return the derivative of the start, (2 n_vel + n_aux,), from those less and plus h.
+    """Return the derivative of the start, (2 n_vel + n_aux,).
 
     Displacements along the velocity coordinates, then changes of velocities and auxiliary states.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism
+    y0 : (n,) start of the run
+    minus, plus : (n,) starts with the parameter less and plus h
+    h : in the unit of the parameter
     """
     change = (plus - minus) / (2.0 * h)
     x = np.empty(model.n_vel)
@@ -198,7 +219,19 @@ def start_tangent(model: Model, y0: Array, minus: Array, plus: Array, h: float) 
 
 
 def check_variant(parameter: Parameter, variant: Variant, base: Model, t_end: float) -> None:
-    """Raise InputError if the parameter changes more than the numbers of the model."""
+    """Check that a parameter changes nothing but numbers of the model.
+
+    Parameters
+    ----------
+    variant : its mechanism less or plus h
+    base : model of the run itself
+    t_end : end of the run [s]
+
+    Raises
+    ------
+    InputError
+        Another count of equations, or another instant at which a law of time bends or jumps.
+    """
     model = variant.built.model
     for name in ("n_pos", "n_vel", "n_constraint", "n_aux"):
         if getattr(model, name) != getattr(base, name):

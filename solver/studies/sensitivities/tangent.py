@@ -293,8 +293,14 @@ class Tangent:
     def jump(self, t: float, before: Array, after: Array, event: int) -> None:
         """Carry S over an instant at which auxiliary states take other values.
 
-        The state is `before` (n,) and `after` it. `event` >= 0: the instant is that of an event,
-        which moves with the parameters by dt = -D gap / rate: S+ = D(before + rate dt) - rate+ dt.
+        The instant of an event moves with the parameters by dt = -D gap / rate:
+        S+ = D(before + rate dt) - rate+ dt.
+
+        Parameters
+        ----------
+        t : the instant [s]
+        before, after : (n,) state on both sides of it
+        event : number of the event; -1: states are sampled at a given time
         """
         model, n = self.model, self.model.n_vel
         first = model.n_pos + n

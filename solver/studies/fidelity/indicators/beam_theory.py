@@ -77,8 +77,11 @@ def local_frequency(walls: Walls, K: Array, M: Array, across: float = 1.0) -> fl
 
     k = pi for hinged edges, 4.730 for free ones.
 
-    `K`, `M` (6, 6) are those of the section, which have E / rho along the beam; `across` is the
-    modulus across the wall over that along it.
+    Parameters
+    ----------
+    walls : of the section
+    K, M : (6, 6) stiffness and mass of the section, which have E / rho along the beam
+    across : modulus across the wall over that along it
     """
     speed = np.sqrt(across * K[0, 0] / M[0, 0])
     bending = speed * walls.thickness / np.sqrt(12.0 * (1.0 - POISSON**2))
@@ -107,12 +110,18 @@ def warping_decay(walls: Walls, K: Array) -> float:
 
 
 def ovalisation(walls: Walls, curvature: float, across: float = 1.0) -> float:
-    """Return the relative loss of bending stiffness of a section of this curvature kappa [1/m].
+    """Return the relative loss of bending stiffness of a curved beam.
 
     The stresses of bending press the walls towards the neutral axis. A square box loses
     (kappa b^2 / t)^2 / 12.6 of its stiffness, a tube of diameter b as much by Brazier's
-    3/2 (1 - nu^2) (kappa R^2 / t)^2. `across` is as in `local_frequency`. A flat strip only loses
-    its curvature across (Lamb, Searle): nu^2 (kappa b^2 / t)^2 / 30, at most nu^2 / (1 - nu^2).
+    3/2 (1 - nu^2) (kappa R^2 / t)^2. A flat strip only loses its curvature across (Lamb, Searle):
+    nu^2 (kappa b^2 / t)^2 / 30, at most nu^2 / (1 - nu^2).
+
+    Parameters
+    ----------
+    walls : of the section
+    curvature : kappa [1/m]
+    across : modulus across the wall over that along it
     """
     square = (curvature * walls.width**2 / walls.thickness) ** 2 / across
     if walls.hinged:
@@ -194,7 +203,16 @@ def beam_theory(
     rich: Rich,
     indicators: Indicators,
 ) -> BeamTheory | None:
-    """Return the indicators of a body; None if it is no uniform beam with an analysed section."""
+    """Return the indicators of a body; None if it is no uniform beam with an analysed section.
+
+    Parameters
+    ----------
+    mechanism : of the case
+    name : of the body
+    plan : the model of the body
+    rich : its package with the response to the loads of the run
+    indicators : of the run, with what each mode adds to the signals
+    """
     body = mechanism.bodies[name]
     package = rich.package
     if body.kind != "beam" or body.length is None or len(package.sections) != 1:

@@ -20,7 +20,7 @@ from .loaded import Study, base_motion, built_with, loaded
 from .response import Effects, Indicators, Mode, Response, effects, elastic_columns, response
 
 
-def stiffening_loss(
+def _stiffening_loss(
     response: Response,
     again: BuiltMechanism,
     measured: Mapping[str, Sensor],
@@ -50,7 +50,7 @@ def stiffening_loss(
     return np.asarray(lost - np.einsum("osm,sm->os", slope, extra))
 
 
-def spins(built: BuiltMechanism, response: Response, names: list[str]) -> dict[str, float]:
+def _spins(built: BuiltMechanism, response: Response, names: list[str]) -> dict[str, float]:
     """Return the largest spin of bodies over their first clamped frequency."""
     spin = SpinMonitor(built.model, built.body_names, stop=False)
     out = {}
@@ -65,7 +65,7 @@ def spins(built: BuiltMechanism, response: Response, names: list[str]) -> dict[s
     return out
 
 
-def amplified_errors(response: Response, parts: Effects, scale: Array) -> Array:
+def _amplified_errors(response: Response, parts: Effects, scale: Array) -> Array:
     """Return the error (o,) of the signals over the tolerance of the integrator, of the scale.
 
     A tolerance of 1 permits errors of the modes that displace a body by the size of the mechanism.
@@ -123,9 +123,9 @@ def study(
         again = built_with(spec, model.packages, stiffening=True)
         second = sensors(again, mechanism.signals, wanted=wanted)
         first = {name: measured[name] for name in signals}
-        lost = stiffening_loss(driven, again, first, second, parts)
+        lost = _stiffening_loss(driven, again, first, second, parts)
         stiffened = np.abs(lost).max(axis=1) / scale
-    spin, amplified = spins(model.built, driven, names), amplified_errors(driven, parts, scale)
+    spin, amplified = _spins(model.built, driven, names), _amplified_errors(driven, parts, scale)
     indicators = Indicators(
         list(signals), metric, scale, modes, parts, stiffened, spin, amplified, quiet
     )

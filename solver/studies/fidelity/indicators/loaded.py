@@ -124,7 +124,14 @@ def quasi_static(package: ModalPackage, p: Array) -> Array:
 
 
 def built_with(spec: RunSpec, packages: Packages, *, stiffening: bool = False) -> BuiltMechanism:
-    """Return the mechanism of a run with geometric stiffening or without."""
+    """Return the mechanism of a run with other packages.
+
+    Parameters
+    ----------
+    spec : the run
+    packages : of all flexible bodies, by name
+    stiffening : with geometric stiffening
+    """
     solver = with_values(spec.mechanism.solver, geometric_stiffening=stiffening)
     mechanism: Any = with_values(spec.mechanism, solver=solver)
     return build(mechanism, dict(packages))
@@ -216,6 +223,13 @@ def loaded(spec: RunSpec, base: Base, packages: Packages, names: list[str]) -> L
 
     Modes that do not respond, as those across the plane of a planar motion, have zeros there.
     Flexible bodies that a plan is not about are as the base has them.
+
+    Parameters
+    ----------
+    spec : the run, with the packages of bodies that the plan is not about
+    base : its base motion
+    packages : rich ones, of `names` at least
+    names : flexible bodies that the plan is about
     """
     fixed = {
         name: spec.packages[name] if base.model.n_mode[i] else rigid(spec.packages[name])

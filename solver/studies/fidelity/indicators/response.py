@@ -107,7 +107,11 @@ def elastic_columns(model: Model) -> list[IntArray]:
 def modal_loads(base: Base, model: Model, rows: IntArray | None = None) -> Array:
     """Return the loads (k, n_vel) that the base motion leaves in a model with more modes.
 
-    At all output times, or at some `rows`.
+    Parameters
+    ----------
+    base : the base motion
+    model : with the same bodies and joints
+    rows : (k,) output times; None: all
     """
     y, a = embedded(base, model)
     at = slice(None) if rows is None else rows
@@ -148,9 +152,14 @@ class Response:
 
 
 def response(base: Base, model: Model, p: Array, *, deformed: bool = False) -> Response:
-    """Return the response to loads p (k, n_vel) of a linear model with rich bodies.
+    """Return the response of a linear model with rich bodies, which starts from rest.
 
-    It starts from rest, undeformed or (`deformed`) in the quasi-static shape.
+    Parameters
+    ----------
+    base : the base motion
+    model : with the modes that respond
+    p : (k, n_vel) loads at all output times (`modal_loads`)
+    deformed : it starts in the quasi-static shape, else undeformed
     """
     e, t, at = np.concatenate(elastic_columns(model)).astype(np.int64), base.t, samples(base)
     m, first = len(e), 0
@@ -217,7 +226,14 @@ class Effects:
 
 
 def effects(response: Response, sensors: Mapping[str, Sensor], kinds: Mapping[str, str]) -> Effects:
-    """Return the contributions of all modes to the signals, which have these kinds."""
+    """Return the contributions of all modes to the signals.
+
+    Parameters
+    ----------
+    response : of the modes
+    sensors : of the o signals, by name
+    kinds : of the signals, by name
+    """
     (q, v, a), eta, t = response.history, response.eta, response.t
     every, plain = list(sensors.values()), _recording(response, np.arange(len(t)))
     base = np.array([sensor.values(plain) for sensor in every]).reshape(len(every), len(t))
