@@ -27,7 +27,7 @@ def compile_ahead(say: Callable[[str], None]) -> None:
     MissingFenicsx : FEniCSx or a C compiler is missing.
     """
     begin = time.perf_counter()
-    tasks: list[tuple[Any, ...]] = [(shell, *words) for words in lists_of_shells()]
+    tasks: list[tuple[Any, ...]] = [(_shell, *words) for words in lists_of_shells()]
     tasks += [(section, cell) for cell in NODES] + [(solid, cell) for cell in SOLIDS]
     tasks += [(surface, cell) for cell in NODES]
     with processes(cores(), fresh=True) as pool:
@@ -59,7 +59,7 @@ def section(cell: str) -> None:
 
 
 def lists_of_shells() -> list[tuple[int, str, str]]:
-    """Arguments of `shell` for all elements; those that take longest come first."""
+    """Arguments of `_shell` for all elements; those that take longest come first."""
     from .shell.elements.drilling import DRILLINGS
     from .shell.elements.membranes import MEMBRANES
     from .shell.elements.plates import PLATES
@@ -74,7 +74,7 @@ def lists_of_shells() -> list[tuple[int, str, str]]:
     return lists
 
 
-def shell(k: int, kind: str, name: str) -> None:
+def _shell(k: int, kind: str, name: str) -> None:
     """Compile one list of a shell element."""
     from .shell.elements.pairs import kernel_of
 

@@ -51,7 +51,7 @@ class Outcome:
     defect: str = ""  # traceback of an internal error
 
 
-def build(product: Product, path: Path, target: Path, *, force: bool = False) -> Outcome:
+def _build(product: Product, path: Path, target: Path, *, force: bool = False) -> Outcome:
     """Make the file of one specification; an error becomes part of the outcome.
 
     Raises
@@ -101,7 +101,7 @@ def build_all(
     report = report or print_outcome
     code = 0
     for count, path in enumerate(specs, start=1):
-        outcome = build(product, path, target_of(path), force=force)
+        outcome = _build(product, path, target_of(path), force=force)
         report(outcome, f"{count}/{len(specs)}")
         if outcome.status == "failed":
             code = USER_ERROR

@@ -123,7 +123,14 @@ def derivatives(
 def of_parameters(
     parameters: Sequence[Parameter], rates: Sequence[Derivative], shares: Array
 ) -> tuple[Derivative, ...]:
-    """Derivatives by parameters (p) from those by the few (r) that they are made of."""
+    """Derivatives by parameters (p) from those by the few (r) that they are made of.
+
+    Parameters
+    ----------
+    parameters : the p parameters
+    rates : derivatives by r of them, or by combinations of them
+    shares : (r, p) of the r in each parameter
+    """
     every = dict[str, Array]()
     for path in dict.fromkeys(path for one in rates for path in one.values):
         rows = np.broadcast_arrays(*(one.values.get(path, 0.0) for one in rates))

@@ -219,8 +219,13 @@ def mesh_error(model: BeamModel, modes: Modes) -> Array:
 def stiffness_error(model: BeamModel, modes: Modes, stiffer: Sequence[LineSection]) -> Array:
     """Expected error of the modal stiffness, (m, m) [N m].
 
-    `stiffer` are the sections of the stations with their errors of K twice. The errors add up,
-    whatever their signs.
+    The errors add up, whatever their signs.
+
+    Parameters
+    ----------
+    model : of the beam
+    modes : of the beam
+    stiffer : sections of its stations, with their errors of K added to K twice
     """
     line = beam_model(model.spec, *stiffer).line
     gained = modes.columns_B.T @ (line.stiffness() - model.line.stiffness()) @ modes.columns_B

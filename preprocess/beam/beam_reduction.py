@@ -63,7 +63,14 @@ def frequency_error(
 def coarse_mesh_warnings(
     labels: tuple[str, ...], error: Array, elements: int
 ) -> list[dict[str, str]]:
-    """Warning `mesh-coarse-for-modes` naming the modes beyond LIMIT; empty if there are none."""
+    """Warning `mesh-coarse-for-modes` naming the modes beyond LIMIT; empty if there are none.
+
+    Parameters
+    ----------
+    labels : of m modes
+    error : (m,) relative errors of their frequencies, of any sign
+    elements : number of elements of the beam
+    """
     coarse = [
         f"{label} ({abs(e):.1%})" for label, e in zip(labels, error, strict=True) if abs(e) > LIMIT
     ]
@@ -153,10 +160,16 @@ def unit_forces(line: BeamLine, node_of: dict[str, int]) -> Array:
 
 
 def unit_loads(condition: Condition, line: BeamLine, forces: Array) -> Array:
-    """Unit loads (6 n, l) of the compliance of a package: `forces` of interfaces, and inertia.
+    """Unit loads (6 n, 6 i + 12) of the compliance of a package: of i interfaces, and inertia.
 
     The nodes turn with the slope t x A t of the moved line, and with half of the curl about its
     tangent t: a consistent mass would bend elements whose ends do not turn.
+
+    Parameters
+    ----------
+    condition : reference condition, which has the mass
+    line : the beam, n nodes
+    forces : (6 n, 6 i) unit forces and moments at the interfaces
     """
     fields = accelerations(np.repeat(line.nodes_B, 6, axis=0), np.arange(len(forces)) % 6)
     t = np.gradient(line.nodes_B, line.along, axis=0)

@@ -148,7 +148,13 @@ class Solver(Protocol):
         """Number of negative eigenvalues of A."""
 
     def eigenpairs(self, K: Any, M: Any, count: int) -> tuple[Array, Array]:
-        """Lowest values (count,) and vectors of K x = value M x."""
+        """Lowest values (count,) and vectors of K x = value M x.
+
+        Parameters
+        ----------
+        K, M : (n, n) sparse, symmetric; M may be singular
+        count : of the lowest values
+        """
 
 
 class Direct:
@@ -182,7 +188,13 @@ class Direct:
         return negative_eigenvalues(sp.csr_matrix(A), self._dissected(A))
 
     def eigenpairs(self, K: Any, M: Any, count: int) -> tuple[Array, Array]:
-        """Lowest values (count,) and vectors of K x = value M x, by Lanczos with shift zero."""
+        """Lowest values (count,) and vectors of K x = value M x, by Lanczos with shift zero.
+
+        Parameters
+        ----------
+        K, M : (n, n) as of `Solver`; a singular K is shifted
+        count : of the lowest values
+        """
         shift = 0.0
         try:
             factors = self._factors(K)

@@ -95,7 +95,12 @@ class Layups:
     A_BE: Array
 
     def in_units(self, length: float, mass: float, time: float) -> "Layups":
-        """The same in SI; arguments: the size of the source's units in m, kg and s."""
+        """The same in SI.
+
+        Parameters
+        ----------
+        length, mass, time : size of the source's units [m, kg, s]
+        """
         stress, density = mass / (length * time**2), mass / length**3
         materials = {}
         for name, table in self.materials.items():
@@ -148,6 +153,13 @@ def centre_strains(layups: Layups, nodes: Array, cells: Cells, shapes: Array) ->
     """Strains in the middle of triangles and quadrilaterals, in their axes, (e, 8, m).
 
     Order exx eyy gxy, kxx kyy kxy [1/m], gxz gyz, with u = u0 + z beta.
+
+    Parameters
+    ----------
+    layups : laminates of e cells, with their axes
+    nodes : (n, 3) positions
+    cells : of the mesh
+    shapes : (m, n, 6) displacements and rotations, axes of the nodes
     """
     out = np.empty((len(layups.cell), 8, len(shapes)))
     rows = [cells.connectivity[cells.offsets[c] : cells.offsets[c + 1]] for c in layups.cell]
@@ -203,10 +215,14 @@ class FreeBody:
         return np.asarray(rigid_motions(self.nodes)[self.dof_node, self.dof_direction])
 
     def in_units(self, length: float, mass: float, time: float) -> "FreeBody":
-        """The same body in SI; arguments: the size of the source's units in m, kg and s.
+        """The same body in SI.
 
         A translation is a length and a rotation is a number, so each row and column of a rotation
         has one more power of the length.
+
+        Parameters
+        ----------
+        length, mass, time : size of the source's units [m, kg, s]
         """
         if length == mass == time == 1.0:
             return self  # no copies of large matrices
@@ -262,9 +278,24 @@ def free_body(
     cells: Cells | None = None,
     **more: Any,
 ) -> FreeBody:
-    """Body from matrices with dofs (N, 2): label of the node, direction 1 to 6.
+    """Body from matrices with labelled dofs.
 
     Nodes without a dof are kept for the mesh only if a cell has them.
+
+    Parameters
+    ----------
+    where : file or object that messages name
+    K, M : (N, N) dense or sparse, both triangles
+    nodes : (n, 3) positions
+    ids : (n,) labels of the nodes
+    dofs : (N, 2) label of the node, direction 1 to 6
+    cells : of the mesh; None: a point for each node
+    more : other fields of the body
+
+    Raises
+    ------
+    InputError
+        Other directions or labels, or matrices of another size.
     """
     if not ((dofs[:, 1] >= 1) & (dofs[:, 1] <= 6)).all():
         wrong = dofs[(dofs[:, 1] < 1) | (dofs[:, 1] > 6)][0]
@@ -294,7 +325,20 @@ def free_body(
 def labelled_cells(
     cells: Sequence[Sequence[int]] | None, types: Sequence[int] | None, ids: IntArray, where: str
 ) -> Cells | None:
-    """Cells from the labels of their nodes; types None: by the number of nodes."""
+    """Cells from the labels of their nodes; None without cells.
+
+    Parameters
+    ----------
+    cells : labels of the nodes of each cell, in the order of VTK
+    types : VTK types; None: by the number of nodes
+    ids : (n,) labels of all nodes
+    where : place for messages
+
+    Raises
+    ------
+    InputError
+        An unknown label, or a number of nodes that no type has.
+    """
     if cells is None:
         return None
     if types is None:
@@ -309,7 +353,19 @@ def labelled_cells(
 
 
 def rows_of(labels: IntArray, known: IntArray, where: str) -> IntArray:
-    """Rows of labels among the known ones; InputError names the first unknown label."""
+    """Rows of labels among the known ones.
+
+    Parameters
+    ----------
+    labels : (k,) labels of nodes
+    known : (n,) labels of all nodes, in any order
+    where : place for messages
+
+    Raises
+    ------
+    InputError
+        An unknown label, the first of which it names.
+    """
     order = np.argsort(known, kind="stable")
     at = np.searchsorted(known[order], labels).clip(max=len(known) - 1)
     rows = order[at]

@@ -96,7 +96,15 @@ def damping_ratio(table: Reduction, where: str) -> float:
 def provenance(
     table: Reduction, notes: dict[str, object], nodes: int, form: str
 ) -> dict[str, object]:
-    """Where a package comes from."""
+    """Where a package comes from.
+
+    Parameters
+    ----------
+    table : content of the import file
+    notes : facts about the source: files, hashes
+    nodes : number of nodes that the source had
+    form : what the inertia follows from, such as "masses of the nodes"
+    """
     return {
         "plymotion": __version__,
         "command": "plymotion import",

@@ -36,7 +36,7 @@ EDGE = (1 / 6, 1 / 6, 4 / 6)
 SPREAD = 1e-9  # smallest inertia of the points of a group relative to the largest
 
 
-def area_weights(nodes: Array, cells: Cells, rows: IntArray, where: str) -> Array:
+def _area_weights(nodes: Array, cells: Cells, rows: IntArray, where: str) -> Array:
     """Share of each of the nodes `rows` in the area (length) of the faces (edges) on them, sum 1.
 
     Raises InputError if no face of a cell lies on the nodes.
@@ -128,7 +128,7 @@ def _link(body: FreeBody, name: str, table: InterfaceTable, length: float) -> Li
     where = f"{body.where}: interfaces.{name}"
     rows = interface_rows(body, table, length, where)
     if table.get("weights", "equal") == "area":
-        weights = area_weights(body.nodes, body.cells, rows, where)
+        weights = _area_weights(body.nodes, body.cells, rows, where)
     else:
         weights = np.full(len(rows), 1.0 / len(rows))
     position = weights @ body.nodes[rows]
@@ -147,7 +147,20 @@ def _three(value: list[float], where: str) -> Array:
 
 
 def interface_rows(body: FreeBody | ModalBody, table: Any, length: float, where: str) -> IntArray:
-    """Rows of the nodes of an interface, without those that have no dof."""
+    """Rows of the nodes of an interface, without those that have no dof.
+
+    Parameters
+    ----------
+    body : in SI
+    table : `InterfaceTable`, in the units of the source
+    length : unit of the source [m]
+    where : place in the file, for messages
+
+    Raises
+    ------
+    InputError
+        No such set or node; none or several ways to choose nodes.
+    """
     given = [key for key in ("set", "nodes", "box") if key in table]
     if len(given) != 1:
         raise InputError(

@@ -172,7 +172,14 @@ def _turned(body: FreeBody, link: Link, U: Array) -> Array:
 
 
 def second_order_sums(body: FreeBody, U: Array, h: Array) -> SecondOrder:
-    """Sums with the mass matrix of a body of three dofs per node."""
+    """Sums with the mass matrix of a body of three dofs per node.
+
+    Parameters
+    ----------
+    body : three dofs per node, N = 3 n
+    U : (N, m) modes
+    h : (N, pairs) second-order displacements of the pairs of modes
+    """
     m, x = U.shape[1], body.nodes
     Mh = np.asarray(body.M @ h)
     by_node = Mh.reshape(len(x), 3, -1)

@@ -186,7 +186,7 @@ def _modes(
     def name_of(dof: int) -> str:
         return body.labels(int(np.argmax(np.abs(parts.T[:, [dof]].toarray()[:, 0]))))
 
-    kept = vibrations(condition, count, direct, participation, name_of, body.where)
+    kept = _vibrations(condition, count, direct, participation, name_of, body.where)
     loads = _loads(table, every, parts)
     tell(f"{len(loads)} static shapes")
     fields = accelerations(body.nodes[body.dof_node], body.dof_direction)
@@ -318,7 +318,7 @@ def _package(
     )
 
 
-def vibrations(
+def _vibrations(
     condition: Condition,
     count: int,
     direct: Solver,

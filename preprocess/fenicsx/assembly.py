@@ -59,7 +59,14 @@ class Surface:
         self._space = space
 
     def add_to(self, matrix: "PETSc.Mat", kernel: Kernel, table: Array) -> None:
-        """Add the matrices of the cells, with data (c, columns) in the order of `cells`."""
+        """Add the matrices of the cells.
+
+        Parameters
+        ----------
+        matrix : of PETSc, six rows per node of `points`
+        kernel : lists of pairs of these cells
+        table : (c, columns) data of the kernel, in the order of `cells`
+        """
         if len(table) != len(self.order):
             raise ValueError(f"{len(table)} rows of data for {len(self.order)} cells")
         kernel.check(table.shape[1], self.cells.shape[1])

@@ -186,7 +186,19 @@ def _sharpened(K: sp.csr_matrix, M: sp.csr_matrix, X: Array) -> Array:
 
 
 def checked(K: sp.csr_matrix, M: sp.csr_matrix, X: Array, team: Team) -> tuple[Array, Array]:
-    """Ritz pairs of the span of X, ascending, after a check of their residuals."""
+    """Ritz pairs of the span of X, ascending, after a check of their residuals.
+
+    Parameters
+    ----------
+    K, M : (n, n) stiffness and mass, of the cells of this process
+    X : (n, k) approximate vectors, whole on every process
+    team : processes that share the cells
+
+    Raises
+    ------
+    EigenError
+        A residual above 1e-6 of the forces.
+    """
     X = X / np.sqrt(np.einsum("ni,ni->i", X, team.total(M @ X)))
     values, Y = scipy.linalg.eigh(X.T @ team.total(K @ X), X.T @ team.total(M @ X))
     X = X @ Y

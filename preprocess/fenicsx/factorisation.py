@@ -60,8 +60,13 @@ def sorted_csr(A: Any) -> sp.csr_matrix:
 def use_mumps(pc: Any, n_dof: int, solid: bool = False, counts: bool = False) -> None:
     """Use MUMPS for the factorisation of a preconditioner, if PETSc has it.
 
-    `solid` is True where the unknowns fill a volume, not a surface. `counts`: negative pivots will
-    be asked for, which MUMPS does not count in a last front that processes share.
+    Parameters
+    ----------
+    pc : preconditioner of PETSc
+    n_dof : number of unknowns, by which the ordering is chosen
+    solid : the unknowns fill a volume, not a surface
+    counts : negative pivots will be asked for, which MUMPS does not count in a last front that
+        processes share
     """
     if not HAS_MUMPS:
         return
@@ -105,8 +110,18 @@ def negative_pivots(A: Any, team: Team = ALONE, solid: bool = False) -> int:
     """Number of negative eigenvalues of a sparse symmetric matrix (Sylvester's law of inertia).
 
     With A = K - s M this counts the eigenvalues of K x = lambda M x below s, and so detects modes
-    that an iteration has missed. Each process of a team has a part of A. Raises
-    InertiaError if A cannot be factorised.
+    that an iteration has missed.
+
+    Parameters
+    ----------
+    A : (n, n) of this process; the matrix is the sum over the team
+    team : processes that share the matrix
+    solid : the unknowns fill a volume, not a surface
+
+    Raises
+    ------
+    InertiaError
+        A cannot be factorised.
     """
     A = sorted_csr(A)
     mat = Distribution(team, A).matrix(A, spd=False)
@@ -271,9 +286,17 @@ def cholesky(
 ) -> Cholesky:
     """Factorise a symmetric positive definite sparse matrix (MUMPS where PETSc has it).
 
-    Every process of the team has its part of `A`, and all columns to solve for. `largest_growth` is
-    that of a random load in a regular matrix; `solid`: the unknowns fill a volume. Raises
-    FactorisationError if the matrix is indefinite or singular.
+    Parameters
+    ----------
+    A : (n, n) of this process; the matrix is the sum over the team
+    team : processes that share the matrix; each has all columns to solve for
+    largest_growth : of the solution of a random load in a regular matrix
+    solid : the unknowns fill a volume, not a surface
+
+    Raises
+    ------
+    FactorisationError
+        The matrix is indefinite or singular.
     """
     factor = Cholesky(A, team, largest_growth, solid)
     factor.check()

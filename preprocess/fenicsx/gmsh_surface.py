@@ -160,9 +160,19 @@ def _check_membership(groups: Mapping[str, Sequence[int]], where: str) -> None:
 
 
 def check_mesh(points: Array, tags: IntArray, corners: IntArray, where: str) -> None:
-    """Raise MeshError for a coordinate that is not finite, and for cells that are there twice.
+    """Refuse a mesh with which DOLFINx crashes or never ends.
 
-    With these, DOLFINx crashes or never ends. `tags` are the numbers of the nodes in the file.
+    Parameters
+    ----------
+    points : (n, 3) nodes
+    tags : (n,) their numbers in the file
+    corners : (c, k) rows of points
+    where : file, for messages
+
+    Raises
+    ------
+    MeshError
+        A coordinate that is not finite; cells that are there twice.
     """
     wrong = np.flatnonzero(~np.isfinite(points).all(axis=1))
     if wrong.size:
@@ -195,7 +205,14 @@ def _in_plane(points: Array, where: str) -> Array:
 
 
 def curves(tags: IntArray, points: Array, gdim: int) -> dict[str, Array]:
-    """Line elements of every physical curve by name."""
+    """Line elements of every physical curve of the current gmsh model by name, (s, 2 or 3, gdim).
+
+    Parameters
+    ----------
+    tags : (n,) numbers of all nodes in gmsh, ascending
+    points : (n, 3) their positions
+    gdim : 2 or 3 coordinates are kept
+    """
     lines = {name: _line_tags(entities) for name, entities in physical(1).items()}
     places = {name: points[np.searchsorted(tags, own), :gdim] for name, own in lines.items()}
     return {name: ends for name, ends in places.items() if ends.size}

@@ -146,7 +146,14 @@ class Symbols(NamedTuple):
 
 
 def symbols(cell: str, columns: int, unknowns: int) -> Symbols:
-    """Symbols of triangles or quadrilaterals in space."""
+    """Symbols of triangles or quadrilaterals in space.
+
+    Parameters
+    ----------
+    cell : "triangle" or "quadrilateral"
+    columns : numbers that the table has of a cell
+    unknowns : of a cell
+    """
     domain = ufl.Mesh(element_of(cell, 1, (3,), 3))
     constant = [element_of(cell, 0, (n,), 3, dg=True) for n in (columns, unknowns)]
     table, rows = (ufl.FunctionSpace(domain, element) for element in constant)
@@ -173,7 +180,12 @@ def compiled(
 ) -> Rows:  # fmt: skip
     """Compile a list of rows, each a scalar in UFL that is linear in the unknowns.
 
-    `columns` are those of the table.
+    Parameters
+    ----------
+    columns : of the table
+    stresses, strains : rows of the pairs, as many of each
+    coupling : rows that couple lists (`Kernel`)
+    others : rows that are only evaluated (`rows`)
 
     Raises
     ------
@@ -228,7 +240,14 @@ def kernel(unknowns: int, lists: Sequence[Rows]) -> Kernel:
 
 
 def matrices(given: Kernel, table: Array, corners: Array) -> Array:
-    """Matrices of single cells, (c, n, n); arguments as of `rows`."""
+    """Matrices of single cells, (c, n, n), in G.
+
+    Parameters
+    ----------
+    given : lists of pairs of a cell with n unknowns
+    table : (c, columns)
+    corners : (c, k, 3) in DOLFINx's order
+    """
     out = np.zeros((len(table), given.unknowns**2))
     _each(library().matrix_of_cell, given, out, table, corners)
     return out.reshape(-1, given.unknowns, given.unknowns)
@@ -253,10 +272,10 @@ def _each(function: Any, given: Kernel, out: Array, table: Array, corners: Array
     if len(w) != len(x):
         raise ValueError(f"{len(w)} rows of data for {len(x)} cells")
     given.check(w.shape[1], x.shape[1])
-    each_cell(function, out, w, given.constants, x)
+    _each_cell(function, out, w, given.constants, x)
 
 
-def each_cell(function: Any, out: Array, w: Array, constants: Array, x: Array) -> None:
+def _each_cell(function: Any, out: Array, w: Array, constants: Array, x: Array) -> None:
     """Call a function that FFCx or we have compiled for each cell.
 
     Arrays are contiguous, those but `constants` with a first axis of cells: `out` of zeros, `w`
@@ -359,7 +378,7 @@ def evaluated(
     out = np.zeros((len(nodes), *shape))
     x = np.zeros((*nodes.shape[:2], 3))
     x[:, order_of_nodes(cell), :2] = nodes
-    each_cell(ctypes.c_void_p(address), out, np.zeros((len(nodes), 0)), k, x)
+    _each_cell(ctypes.c_void_p(address), out, np.zeros((len(nodes), 0)), k, x)
     return out
 
 
@@ -367,7 +386,14 @@ def evaluated(
 def compiled_text(
     text: Text, cell: str, degree: int, points: bytes, constants: int
 ) -> tuple[int, tuple[int, ...], Any]:
-    """Address of the compiled text, shape of its values in a cell, and what keeps it loaded."""
+    """Address of the compiled text, shape of its values in a cell, and what keeps it loaded.
+
+    Parameters
+    ----------
+    text, cell, degree : as of `evaluated`
+    points : bytes of the points (q, 2)
+    constants : how many there are
+    """
     at = np.frombuffer(points).reshape(-1, 2)
     domain = ufl.Mesh(element_of(cell, 2, (2,), 2))
     functions = ufl.FunctionSpace(domain, element_of(cell, degree, (), 2))

@@ -84,9 +84,13 @@ def reference_nodes(cell: str, degree: int) -> Array:
 
 
 def lagrange(cell: str, degree: int, points: Array) -> tuple[Array, Array]:
-    """Lagrange functions of the nodes `reference_nodes` at points (q, dim) of the reference cell.
+    """Values (q, k) and derivatives (q, k, dim) of the k Lagrange functions of a reference cell.
 
-    Values (q, k) and derivatives (q, k, dim) of the k functions.
+    Parameters
+    ----------
+    cell : its kind, such as "triangle"
+    degree : of the functions, in the order of `reference_nodes`
+    points : (q, dim) of the reference cell
     """
     table = _lagrange(cell, degree).tabulate(1, points)
     table = table.reshape(len(table), len(points), -1)  # some versions have a fourth axis

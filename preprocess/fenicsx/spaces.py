@@ -47,7 +47,16 @@ def quiet() -> Iterator[None]:
 def element_of(
     cell: str, degree: int, shape: tuple[int, ...], gdim: int, *, dg: bool = False
 ) -> Any:
-    """Lagrange element of scalars, vectors or tensors, discontinuous for degree 0."""
+    """Lagrange element of scalars, vectors or tensors.
+
+    Parameters
+    ----------
+    cell : its kind, such as "triangle"
+    degree : of the functions
+    shape : () of scalars
+    gdim : coordinates of a point
+    dg : discontinuous, of degree 0
+    """
     if basix_ufl is not None:
         return basix_ufl.element("DG" if dg else "Lagrange", cell, degree, shape=shape)
     on = ufl.Cell(cell, geometric_dimension=gdim)
@@ -61,7 +70,7 @@ def element_of(
     return ufl.TensorElement(family, on, degree, shape=shape)
 
 
-def element_of_rule(cell: str, degree: int, shape: tuple[int, ...], gdim: int) -> Any:
+def _element_of_rule(cell: str, degree: int, shape: tuple[int, ...], gdim: int) -> Any:
     """Element of tensors at the points of the integration rule of a degree."""
     if basix_ufl is not None:
         return basix_ufl.quadrature_element(cell, shape, degree=degree)
@@ -103,7 +112,14 @@ def function_space(mesh: Any, element: Any) -> Any:
 
 
 def vector_space(mesh: Any, degree: int, size: int) -> Any:
-    """Continuous Lagrange space of `size` components."""
+    """Continuous Lagrange space of vectors.
+
+    Parameters
+    ----------
+    mesh : of DOLFINx
+    degree : of the functions
+    size : components of a vector
+    """
     return function_space(mesh, element_of(cell_name(mesh), degree, (size,), mesh.geometry.dim))
 
 
@@ -134,17 +150,20 @@ def _table(rows: Any) -> NDArray[np.int32]:
 
 
 def cell_function(mesh: Any, values: Any, rule: int | None = None) -> Any:
-    """A function with one constant value (or tensor) in each cell, values (n_cell, ...).
+    """A function with constant values in each cell, or values at its points of integration.
 
-    With a `rule`, the degree of one of integration, it has a tensor at each of its q points, values
-    (n_cell, q, ...).
+    Parameters
+    ----------
+    mesh : of DOLFINx
+    values : (n_cell, ...) of each cell, or (n_cell, q, ...) with a `rule`
+    rule : degree of the rule of integration, which has q points; None: constant in each cell
     """
     table = np.asarray(values, dtype=float)
     cell, gdim = cell_name(mesh), mesh.geometry.dim
     if rule is None:
         element = element_of(cell, 0, table.shape[1:], gdim, dg=True)
     else:
-        element = element_of_rule(cell, rule, table.shape[2:], gdim)
+        element = _element_of_rule(cell, rule, table.shape[2:], gdim)
     function = dolfinx.fem.Function(function_space(mesh, element))
     rows = cell_dofs(function.function_space).ravel()
     array = function.x.array.reshape(rows.size, -1)

@@ -66,6 +66,12 @@ class ModeRates:
 def mode_rates(condition: Condition, modes: Modes, changes: Sequence[Change]) -> list[ModeRates]:
     """Derivatives of modes by parameters.
 
+    Parameters
+    ----------
+    condition : reference condition of the body
+    modes : of the body, with their static shapes
+    changes : derivatives of the FE model by each parameter
+
     Raises
     ------
     ModeError

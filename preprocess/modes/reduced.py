@@ -123,7 +123,7 @@ class _Shapes:
 _PARTS = ("x", "a", "load", "of")
 
 
-def static_modes(
+def _static_modes(
     condition: Condition,
     kept: Eigenmodes,
     loads: Sequence[StaticLoad],
@@ -298,7 +298,7 @@ def reduced_modes(
     ----------
     condition : reference condition of the body
     requests, participation, far_to_near, solver, spare : see `eigenmodes`
-    loads : each adds its static shape, see `static_modes`
+    loads : each adds its static shape, see `_static_modes`
     unit_loads : see `completed`
 
     Raises
@@ -319,10 +319,20 @@ def completed(
 ) -> Modes:
     """The eigenmodes `kept`, and the static modes that `loads` add to them.
 
-    `unit_loads` (n_dof, l), nodal forces and moments, give the compliance of the whole body. In a
-    mean axis its inertia balances them, whatever carries the loads of static shapes: reactions
-    would do work on modes that the single load does not.
-    Raises ModeError if the modes are not orthonormal to RESIDUAL.
+    Parameters
+    ----------
+    condition : reference condition of the body
+    kept : eigenmodes
+    loads : each adds its static shape
+    participation : splits the modal mass of columns over the kinds of motion (eigenmodes.py)
+    unit_loads : (n_dof, l) nodal forces and moments that give the compliance of the whole body.
+        In a mean axis its inertia balances them, whatever carries the loads of static shapes:
+        reactions would do work on modes that the single load does not.
+
+    Raises
+    ------
+    ModeError
+        The modes are not orthonormal to RESIDUAL.
     """
     n_dof, count = condition.K.shape[0], len(loads)
     unit = np.zeros((n_dof, 0)) if unit_loads is None else unit_loads
@@ -333,7 +343,7 @@ def completed(
         requested = [np.hstack([requested[0], unit]), np.hstack([requested[1], balancing])]
         static = condition.static(*requested)
     C = static.columns[:, count:].T @ static.loads[:, count:]
-    added = static_modes(condition, kept, loads, static, participation)
+    added = _static_modes(condition, kept, loads, static, participation)
     n_eigen, n_static = len(kept.values), len(added.values)
     modes = Modes(
         np.concatenate([kept.values, added.values]),

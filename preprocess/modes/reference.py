@@ -98,7 +98,7 @@ class HeldDofs:
     def lowest(self, count: int, solver: EigenSolver) -> tuple[Array, Array]:
         """Ascending values (count,) and M-orthonormal columns (n_dof, count)."""
         columns = self._expanded(solver(self._K_free, self._M_free, count)[1])
-        return rayleigh(self.K, self.M, columns), columns
+        return _rayleigh(self.K, self.M, columns), columns
 
     def count_below(self, value: float) -> int:
         """Number of elastic eigenvalues below a value."""
@@ -121,9 +121,13 @@ class HeldDofs:
     def load_rates(
         self, static: StaticShapes, mass: Any, forces: Array, accelerations: Array
     ) -> tuple[Array, Array]:
-        """Derivatives of accelerations and loads of static shapes.
+        """Derivatives of accelerations and loads of static shapes by a parameter.
 
-        From those of the mass, the forces and the accelerations that were given.
+        Parameters
+        ----------
+        static : the k shapes
+        mass : (n_dof, n_dof) derivative of the mass
+        forces, accelerations : (n_dof, k) derivatives of those that were given
         """
         return accelerations, forces + mass @ static.accelerations + self.M @ accelerations
 
@@ -189,7 +193,7 @@ class MeanAxis:
                 f"lowest {count + 6} modes, expected 6: is its stiffness that of a free body?"
             )
         X = X[:, elastic] / length[elastic]
-        values = rayleigh(self.K, self.M, X)
+        values = _rayleigh(self.K, self.M, X)
         order = np.argsort(values, kind="stable")[:count]
         return values[order], X[:, order]
 
@@ -211,7 +215,12 @@ class MeanAxis:
     def load_rates(
         self, static: StaticShapes, mass: Any, forces: Array, accelerations: Array
     ) -> tuple[Array, Array]:
-        """See `HeldDofs`. What balances the load changes, too."""
+        """See `HeldDofs`. What balances the load changes, too.
+
+        Parameters
+        ----------
+        static, mass, forces, accelerations : as of `HeldDofs`
+        """
         loads = forces + mass @ static.accelerations + self.M @ accelerations
         return self._balanced(accelerations, loads)
 
@@ -235,13 +244,13 @@ class MeanAxis:
         for _ in range(2):  # the second load is the inertia of the first shape
             shape = self.static(load, zero).columns
             load = self.M @ (shape / np.sqrt(np.sum(shape * (self.M @ shape))))
-        return float(rayleigh(self.K, self.M, shape)[0])
+        return float(_rayleigh(self.K, self.M, shape)[0])
 
 
 Condition = HeldDofs | MeanAxis
 
 
-def rayleigh(K: Any, M: Any, X: Array) -> Array:
+def _rayleigh(K: Any, M: Any, X: Array) -> Array:
     """Rayleigh quotients of columns, (m,): eigenvalues with errors of second order."""
     stiffness, mass = (np.einsum("ni,ni->i", X, A @ X) for A in (K, M))
     return np.asarray(stiffness / mass)

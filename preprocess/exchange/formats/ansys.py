@@ -21,7 +21,7 @@ PACKAGE = "ansys-mapdl-reader"
 RIGID = 1e-3  # frequency of a rigid motion, relative to the highest in the file
 
 
-def opened(path: Path, what: str, kinds: tuple[str, ...]) -> Any:
+def _opened(path: Path, what: str, kinds: tuple[str, ...]) -> Any:
     """Return the reader of a binary file; `kinds` are the names of classes that will do.
 
     Raises InputError without the library, and for a file of another kind.
@@ -47,7 +47,7 @@ def mesh_of(path: Path) -> tuple[IntArray, Array, Cells, Any]:
 
     Raises InputError for a file of another kind, and nodes with axes of their own.
     """
-    result = opened(path, "a result file .rst", ("Result",))
+    result = _opened(path, "a result file .rst", ("Result",))
     mesh = result.mesh
     ids = np.asarray(mesh.nnum, dtype=np.int64)
     turned = np.flatnonzero(np.any(np.asarray(mesh.node_angles) != 0.0, axis=1))
@@ -90,7 +90,7 @@ def matrices(path: Path) -> tuple[IntArray, sp.csr_matrix, sp.csr_matrix]:
 
     Raises InputError without the library, and for a file of another kind.
     """
-    dofs, K, M = opened(path, "matrices .full", ("FullFile",)).load_km()
+    dofs, K, M = _opened(path, "matrices .full", ("FullFile",)).load_km()
     return np.asarray(dofs, dtype=np.int64), sp.csr_matrix(K), sp.csr_matrix(M)
 
 
@@ -100,9 +100,19 @@ def body_of(
     matrices: tuple[IntArray, sp.csr_matrix, sp.csr_matrix],
     mesh: tuple[IntArray, Array, Cells],
 ) -> FreeBody:
-    """Complete the matrices of `matrices`, and check that nothing was held.
+    """Complete the triangles of the matrices, and check that nothing was held.
 
-    mesh : labels, coordinates, cells
+    Parameters
+    ----------
+    files : of the import file, for messages and provenance
+    path : file of the matrices, for messages
+    matrices : as of `matrices`
+    mesh : labels (n,), coordinates (n, 3), cells
+
+    Raises
+    ------
+    InputError
+        Held degrees of freedom, or some that are no displacements.
     """
     dofs, K, M = matrices
     others = np.flatnonzero((dofs[:, 1] < 0) | (dofs[:, 1] >= len(DIRECTIONS)))

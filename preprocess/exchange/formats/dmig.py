@@ -24,6 +24,10 @@ def write(package: ModalPackage, out: Path, source: Path) -> str:
     """Write GRID, SPOINT, DMIG KAAX and MAAX (large field, ten digits).
 
     Raises InputError if the modes do not move the interfaces independently.
+
+    Parameters
+    ----------
+    package, out, source : see contract.py
     """
     K, M, points = superelement(package)
     n = len(package.interfaces)

@@ -10,7 +10,13 @@ SCRIPT = Path(__file__).with_name("exudyn_body.py")
 
 
 def write(package: ModalPackage, out: Path, source: Path) -> str:
-    """Write the script; it reads `source`, which must stay beside it. Returns a remark."""
+    """Write the script; return a remark.
+
+    Parameters
+    ----------
+    package, out : see contract.py
+    source : file that the script reads, which must stay beside it
+    """
     relative = source.resolve()
     name = relative.name if relative.parent == out.resolve().parent else str(relative)
     text = SCRIPT.read_text(encoding="utf-8").replace('"PACKAGE"', repr(name))

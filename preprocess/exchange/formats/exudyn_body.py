@@ -103,7 +103,14 @@ def exudyn_data(p: dict[str, np.ndarray]) -> dict[str, object]:
 
 
 def add_body(mbs: Any, file: Path = FILE, **options: Any) -> dict[str, Any]:
-    """Add the body; options are those of AddObjectFFRFreducedOrder of Exudyn."""
+    """Add the body; return Exudyn's numbers of its objects, and "package" with the datasets.
+
+    Parameters
+    ----------
+    mbs : system of Exudyn
+    file : the package
+    options : of AddObjectFFRFreducedOrder of Exudyn, such as positionRef
+    """
     import exudyn
     from exudyn.FEM import ObjectFFRFreducedOrderInterface
 
@@ -120,7 +127,14 @@ def add_body(mbs: Any, file: Path = FILE, **options: Any) -> dict[str, Any]:
 
 
 def add_weight(mbs: Any, body: dict[str, Any], gravity: Any) -> Any:
-    """Weight as a load on the mass centre, which moves with the modes."""
+    """Add the weight as a load on the mass centre, which moves with the modes.
+
+    Parameters
+    ----------
+    mbs : system of Exudyn
+    body : as of `add_body`
+    gravity : acceleration, global axes [m/s2]
+    """
     from exudyn.itemInterface import Force, MarkerSuperElementPosition
 
     p = body["package"]
@@ -136,7 +150,14 @@ def add_weight(mbs: Any, body: dict[str, Any], gravity: Any) -> Any:
 
 
 def add_marker(mbs: Any, body: dict[str, Any], interface: str) -> Any:
-    """Marker of position and rotation at an interface, for any joint."""
+    """Add a marker of position and rotation at an interface, for any joint; return its number.
+
+    Parameters
+    ----------
+    mbs : system of Exudyn
+    body : as of `add_body`
+    interface : its name
+    """
     from exudyn.itemInterface import MarkerSuperElementRigid
 
     p = body["package"]

@@ -22,6 +22,10 @@ def write(package: ModalPackage, out: Path, source: Path) -> str:
     """Write nodes, shapes, modal matrices, nodal masses and the inertia of the rigid body.
 
     The joint has its own keys for damping; the file has no place for it.
+
+    Parameters
+    ----------
+    package, out, source : see contract.py
     """
     write_text(out, "\n".join(_lines(package)) + "\n", encoding="ascii")
     return f"{package.n_mode} modes at {len(package.nodes_B)} nodes; MBDyn was not run with it"

@@ -43,6 +43,10 @@ def write(package: ModalPackage, out: Path, source: Path) -> str:
     """Write the file: field DEPL, one time step per mode, whose time is the frequency [Hz].
 
     The labels of the nodes are kept (NUM). Returns a remark.
+
+    Parameters
+    ----------
+    package, out, source : see contract.py
     """
     ascii_name = printable(package.body).encode("ascii", "replace").decode()
     name = ascii_name.replace("/", "-")[:64].strip(".") or "body"  # of a group of HDF5, too

@@ -29,6 +29,12 @@ def modal_package(body: ModalBody, table: Reduction, files: Files) -> ModalPacka
 
     Raises InputError for nodes without masses, fewer modes than requested, other requests, and
     shapes that contradict the reference or each other.
+
+    Parameters
+    ----------
+    body : modes and mesh in the units of the source
+    table : content of the import file
+    files : those of the import file; `masses` is read if the body has no masses
     """
     length, mass, time = sizes(table["units"])
     wanted = sum(mode["count"] for mode in table["modes"] if mode["kind"] == "lowest")

@@ -45,6 +45,11 @@ class Chain(NamedTuple):
 def write(package: ModalPackage, out: Path, source: Path) -> str:
     """Write the chain; returns its frequencies beside those of the body.
 
+    Parameters
+    ----------
+    package, out : see contract.py
+    source : is named in messages
+
     Raises
     ------
     InputError
@@ -54,7 +59,7 @@ def write(package: ModalPackage, out: Path, source: Path) -> str:
     chain = chain_of(package)
     aim = np.sqrt(eigvalsh(package.stiffness, package.mass))
     aim = aim[aim < aim[:MATCHED][-1] * (1.0 + PAIRED)]
-    k, axes, M = stiffnesses(package, chain, aim)
+    k, axes, M = _stiffnesses(package, chain, aim)
     held = k.ravel() > 0.0
     w = np.sqrt(eigvalsh(np.diag(k.ravel()[held]), M[np.ix_(held, held)]))
     error = float(np.abs(w[: aim.size] / aim - 1.0).max())
@@ -65,7 +70,7 @@ def write(package: ModalPackage, out: Path, source: Path) -> str:
             "not move as a chain; expected a slender body, clamped at one end"
         )
     ratio = package.damping[0, 0] / (2.0 * package.frequencies[0] * package.mass[0, 0])
-    text = mjcf(package, chain, k, axes, 2.0 * float(ratio) / aim[0], 2.0 * np.pi / w[-1] / STEPS)
+    text = _mjcf(package, chain, k, axes, 2.0 * float(ratio) / aim[0], 2.0 * np.pi / w[-1] / STEPS)
     write_text(out, text)
     return f"{np.count_nonzero(held)} hinges: {hertz} Hz; the body, clamped: {theirs} Hz"
 
@@ -129,7 +134,7 @@ def _skew(a: Array) -> Array:
     return np.asarray(np.cross(a[:, None], np.eye(3)).swapaxes(1, 2))
 
 
-def stiffnesses(package: ModalPackage, chain: Chain, aim: Array) -> tuple[Array, Array, Array]:
+def _stiffnesses(package: ModalPackage, chain: Chain, aim: Array) -> tuple[Array, Array, Array]:
     """Return stiffness (N, 3) [N m / rad] and axes (N, 3, 3) of the hinges, and the mass matrix.
 
     A stiffness of 0 stands for no hinge. The mass matrix (3 N, 3 N) is that of all.
@@ -206,7 +211,7 @@ def _principal(angles: Array, loads: Array, squares: Array) -> tuple[Array, Arra
     return k, turns
 
 
-def mjcf(
+def _mjcf(
     package: ModalPackage, chain: Chain, k: Array, axes: Array, damping: float, step: float
 ) -> str:
     """Return the text of the model: the chain on the world, sites at the interfaces.

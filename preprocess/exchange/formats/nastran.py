@@ -120,7 +120,18 @@ def _fields(line: str) -> tuple[str, list[str]]:
 
 
 def real(text: str, path: Path, card: str) -> float:
-    """A number of NASTRAN: the E of an exponent may be missing."""
+    """A number of NASTRAN: the E of an exponent may be missing.
+
+    Parameters
+    ----------
+    text : field of a card; empty: 0
+    path, card : for messages
+
+    Raises
+    ------
+    InputError
+        Text that is no number.
+    """
     if not text:
         return 0.0
     number = text.upper().replace("D", "E")

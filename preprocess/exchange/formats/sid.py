@@ -24,7 +24,12 @@ EPS = (a - b) * (b - c) * (c - a) / 2.0
 
 
 def write(package: ModalPackage, out: Path, source: Path) -> str:
-    """Write the modes, a node per interface, and the inertia integrals."""
+    """Write the modes, a node per interface, and the inertia integrals.
+
+    Parameters
+    ----------
+    package, out, source : see contract.py
+    """
     write_text(out, "\n".join(_lines(package)) + "\n", encoding="ascii")
     count = len(package.interfaces)
     return f"{package.n_mode} modes, {count} nodes; no program was run with it"

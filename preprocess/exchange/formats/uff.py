@@ -106,7 +106,13 @@ COLOUR, GLOBAL = 1, 0
 
 
 def write(package: ModalPackage, out: Path, source: Path) -> str:
-    """Write SI units, nodes and one dataset 55 per mode (six numbers per node)."""
+    """Write SI units, nodes and one dataset 55 per mode (six numbers per node).
+
+    Parameters
+    ----------
+    package, source : see contract.py
+    out : the file; the masses of the nodes go into a table beside it
+    """
     text = "\n".join(line for block in _blocks(package) for line in ["    -1", *block, "    -1"])
     write_text(out, text + "\n", encoding="ascii")
     masses = write_masses(package, out)
