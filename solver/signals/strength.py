@@ -12,7 +12,7 @@ from ..package import ModalPackage
 from ..package.body.package_schema import CellResultants, LaminateData
 from ..package.common.recovery_schema import SectionRecovery
 from ..strength.beam_bodies import material_searches
-from ..strength.search import Place, envelope, exposures_at, governing
+from ..strength.search import Place, envelope, exposures_at
 from ..strength.shell_bodies import cell_centres, ply_searches, stressed_cells
 from .sections import resultants_at
 
@@ -58,11 +58,10 @@ def strength_values(
     def exposure(recording: Recording) -> Array:
         q, held = recording.modes(body), recording.memory.get(HELD)
         if held is None:
-            return envelope(places, q)
+            return envelope(places, q)[0]
         if key in held:
             return exposures_at(places, held[key], q)
-        top = envelope(places, q)
-        held[key] = governing(places, q, top)
+        top, held[key] = envelope(places, q)
         return top
 
     if signal.kind == "exposure":

@@ -19,7 +19,7 @@ from ..package.common.recovery_schema import Ply, SectionRecovery
 from ..package.section.stress import strengths
 from . import Criterion, criteria_of
 from .found import BodyStrength, CriticalPoint, ranked
-from .search import PeakSearch
+from .search import Highest, PeakSearch
 
 
 def resultants(package: ModalPackage, q: Array) -> Array:
@@ -50,8 +50,7 @@ class MaterialSearch(NamedTuple):
     strength: PlyStrength | YieldStrength
     recovery: SectionRecovery
     points: IntArray  # rows of the recovery's points
-    plies: IntArray  # rows of the recovery's plies that have points
-    group: IntArray  # (p,) of each point, as row of `plies`
+    plies: IntArray  # (g,) rows of the recovery's plies that have points
     peaks: PeakSearch
 
 
@@ -75,8 +74,8 @@ def material_searches(
         plies, group = np.unique(recovery.ply[own], return_inverse=True)
         for criterion in criteria_of(strength):
             if not criteria or criterion.name in criteria:
-                peaks = PeakSearch(stress_M, criterion, strength)
-                yield MaterialSearch(criterion, strength, recovery, own, plies, group, peaks)
+                peaks = PeakSearch(stress_M, criterion, strength, group)
+                yield MaterialSearch(criterion, strength, recovery, own, plies, peaks)
 
 
 class BeamSearch:
@@ -84,56 +83,59 @@ class BeamSearch:
 
     def __init__(self, package: ModalPackage) -> None:
         self._package, self._stations = package, _recovery(package)
-        self._searches = {
-            row: tuple(material_searches(section.recovery))
+        self._searches = [
+            (np.flatnonzero(self._stations.section == row), search)
             for row, section in enumerate(package.sections)
             if section.recovery is not None
-        }
-        every = [search for own in self._searches.values() for search in own]
+            for search in material_searches(section.recovery)
+        ]
         n = len(self._stations.station_x)
-        names = sorted({s.criterion for s in every}, key=lambda c: (c.order, c.name))
+        criteria = {search.criterion for _, search in self._searches}
+        names = sorted(criteria, key=lambda c: (c.order, c.name))
         self.exposure = {criterion.name: np.zeros(n) for criterion in names}
-        # Exposure of a unit resultant, to compare stations with each other.
-        units = [s.peaks.bounds.max(axis=0).reshape(2, 6).max(axis=0) for s in every]
-        self._severity = np.max(units, axis=0) if units else np.zeros(6)
+        self._highest: dict[Ply, float] = {}  # by all criteria
         self._peaks: dict[tuple[Ply, str], CriticalPoint] = {}
 
     def take(self, t: Array, q: Array) -> None:
         """Look at times t (k,) with modal coordinates q (k, m)."""
-        F = resultants(self._package, q)
-        # From the most loaded station on: its peaks leave little to look for at the others.
-        for station in np.argsort(-np.abs(F).max(axis=2) @ self._severity, kind="stable").tolist():
-            for search in self._searches.get(int(self._stations.section[station]), ()):
-                self._look(search, station, t, F[station])
+        F = np.moveaxis(resultants(self._package, q), 1, 0)  # (6, s, k)
+        for stations, search in self._searches:
+            if stations.size:
+                self._look(search, stations, t, F[:, stations].reshape(len(F), -1))
 
-    def _look(self, search: MaterialSearch, station: int, t: Array, F: Array) -> None:
+    def _look(self, search: MaterialSearch, stations: IntArray, t: Array, F: Array) -> None:
         name, plies = search.criterion.name, search.recovery.plies
-        along = self.exposure[name]
-        keys = [(plies[ply], name) for ply in search.plies]
-        known = [self._peaks.get(key) for key in keys]
-        floors = np.array([0.0 if peak is None else peak.exposure for peak in known])
-        peaks = search.peaks.peaks(F, search.group, floors, float(along[station]))
-        along[station] = peaks.top
-        for g, peak in enumerate(known):
-            if peak is None or peaks.exposure[g] > peak.exposure:
-                instant, point = int(peaks.instant[g]), int(peaks.point[g])
-                row = int(search.points[point])
-                x2, x3 = at = search.recovery.points[row]
-                self._peaks[keys[g]] = CriticalPoint(
-                    float(peaks.exposure[g]),
-                    search.peaks,
-                    point,
-                    F[:, instant].copy(),
-                    float(t[instant]),
-                    float(self._stations.station_x[station]),
-                    at,
-                    f"x2 = {x2:.4g} m, x3 = {x3:.4g} m",
-                    search.recovery.plies[int(search.recovery.ply[row])],
-                )
+        groups = Highest(np.array([self._highest.get(plies[ply], 0.0) for ply in search.plies]))
+        cases = Highest(self.exposure[name][stations])
+        search.peaks.peaks(F, np.repeat(np.arange(stations.size), t.size), groups, cases)
+        self.exposure[name][stations] = cases.exposure
+        found = [*zip(groups.exposure, groups.point, groups.column, strict=True)]
+        found += [(0.0, rows[0], 0) for rows in search.peaks.members]  # of plies without a peak
+        top = int(np.argmax(cases.exposure))
+        found.append((cases.exposure[top], cases.point[top], cases.column[top]))
+        for exposure, point, column in found:
+            row = search.points[point]
+            ply, (x2, x3) = plies[search.recovery.ply[row]], search.recovery.points[row]
+            peak = self._peaks.get((ply, name))
+            if point < 0 or (peak is not None and peak.exposure >= exposure):
+                continue
+            self._highest[ply] = max(self._highest.get(ply, 0.0), float(exposure))
+            self._peaks[ply, name] = CriticalPoint(
+                float(exposure),
+                search.peaks,
+                int(point),
+                F[:, column].copy(),
+                float(t[column % t.size]),
+                float(self._stations.station_x[stations[column // t.size]]),
+                search.recovery.points[row],
+                f"x2 = {x2:.4g} m, x3 = {x3:.4g} m",
+                ply,
+            )
 
     def found(self) -> BodyStrength | None:
         """Return what was found so far."""
-        there = np.isin(self._stations.section, list(self._searches))  # others have no plies
+        plied = [k for k, each in enumerate(self._package.sections) if each.recovery is not None]
+        there = np.isin(self._stations.section, plied)
         exposure = {name: values[there] for name, values in self.exposure.items()}
         return ranked(self._stations.station_x[there], exposure, self._peaks)
 

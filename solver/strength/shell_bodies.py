@@ -24,8 +24,9 @@ from ..package.section.stress import strengths
 from . import criteria_of
 from .beam_bodies import BeamSearch, beam_search
 from .found import BodyStrength, CriticalPoint, ranked
-from .search import BLOCK, ROUND_OFF, PeakSearch
+from .search import ROUND_OFF, PeakSearch
 
+BLOCK = 16  # times per block
 STRIPS = 20  # strips across the body's x, each with its highest exposure
 AT_ONCE = 2_000_000  # numbers in memory at a time
 FIRST, MOST = 8, 512  # pairs of cell and block that are evaluated together

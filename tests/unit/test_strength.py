@@ -1,6 +1,7 @@
 """Failure criteria: worked examples, uniaxial limits, rays, invariances; the strength table."""
 
 import math
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from plymotion.solver.package import read_package
 from plymotion.solver.package.common.materials import (
     MaterialError,
     PlyStrength,
@@ -16,13 +18,14 @@ from plymotion.solver.package.common.materials import (
     read_strength,
 )
 from plymotion.solver.strength import CRITERIA, Criterion, criteria_of
+from plymotion.solver.strength.beam_bodies import BeamSearch
 from plymotion.solver.strength.criteria.contract import exposure
 from plymotion.solver.strength.criteria.hashin import hashin
 from plymotion.solver.strength.criteria.max_stress import max_stress
 from plymotion.solver.strength.criteria.tsai_hill import tsai_hill
 from plymotion.solver.strength.criteria.tsai_wu import tsai_wu
 from plymotion.solver.strength.criteria.von_mises import von_mises
-from plymotion.solver.strength.search import PeakSearch
+from plymotion.solver.strength.search import Highest, PeakSearch
 
 MPa = 1e6
 # Graphite/epoxy of A. K. Kaw, Mechanics of Composite Materials, 2nd ed., Table 2.1.
@@ -281,10 +284,34 @@ def test_search_finds_what_looking_everywhere_finds(
     F = rng.normal(size=(6, 1)) * np.sin(rng.normal(size=(6, 1)) * np.arange(instants) / 9.0)
     stress = np.einsum("pij,jt->pti", operators, F)
     everywhere = criterion.assess(stress, PLY).exposure
-    group, floors = np.zeros(points, dtype=np.int64), np.zeros(1)
-    peak = PeakSearch(operators, criterion, PLY).peaks(F, group, floors, 0.0)
-    assert peak.exposure[0] == pytest.approx(everywhere.max(), rel=1e-12)
-    assert everywhere[peak.point[0], peak.instant[0]] == pytest.approx(peak.exposure[0], rel=1e-9)
+    group = np.arange(points) % min(points, 3)
+    case = np.arange(instants) % min(instants, 4)
+    groups, cases = Highest(np.zeros(group.max() + 1)), Highest(np.zeros(case.max() + 1))
+    PeakSearch(operators, criterion, PLY, group).peaks(F, case, groups, cases)
+    for sets, own in ((groups, group[:, None]), (cases, case)):
+        for k, highest in enumerate(sets.exposure):
+            assert highest == pytest.approx(np.where(own == k, everywhere, 0.0).max(), rel=1e-12)
+            assert everywhere[sets.point[k], sets.column[k]] == pytest.approx(highest, rel=1e-9)
+
+
+def test_beam_is_searched_with_few_evaluations(
+    repository: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Bounds exclude 98 % of 1824 points at 18 stations and 51 times, under four criteria."""
+    package = read_package(repository / "tests/packages/actuated-beam/beam.layup-1.vtkhdf")
+    assert package.recovery is not None
+    stations, points = package.recovery.station_x.size, len(package.sections[0].recovery.points)
+    t, evaluated, own = np.linspace(0.0, 1.0, 51), 0, PeakSearch.exposures
+
+    def counted(search: PeakSearch, F: np.ndarray, at: np.ndarray, columns: np.ndarray) -> Any:
+        nonlocal evaluated
+        evaluated += at.size
+        return own(search, F, at, columns)
+
+    monkeypatch.setattr(PeakSearch, "exposures", counted)
+    rates = np.arange(1, package.n_mode + 1)
+    BeamSearch(package).take(t, np.sin(7.0 * t[:, None] * rates) / rates**3)
+    assert 0 < evaluated < 0.03 * 4 * stations * points * t.size
 
 
 def test_defaults_and_their_reasons() -> None:
