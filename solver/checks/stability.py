@@ -5,6 +5,7 @@ further. What its elastic forces then gain beside K q is the geometric stiffness
 inertia loads and weight (Z0, Z1, G3), and of the forces and moments at its markers (H).
 """
 
+from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
@@ -349,7 +350,6 @@ def geometric_stiffness(
 
 
 STEP = 1e-5  # of the size of the mechanism, or rad: differences on both sides
-MOST_VELOCITIES = 100  # of a mechanism whose free motions are looked at: 20 ms each time
 
 
 def joints_hold(model: Model, t: float, y: Array) -> bool:
@@ -367,8 +367,6 @@ def joints_hold(model: Model, t: float, y: Array) -> bool:
     y : state (n,), as in dynamics/model/model.py
     """
     n = model.n_vel
-    if n > MOST_VELOCITIES:
-        return False
     equations = assemble(model, t, y)
     free = free_motions(equations, model.inertia_scale)
     starts = model.vel_start[np.repeat(np.arange(model.n_body), model.n_mode)] + 6
@@ -392,6 +390,8 @@ def joints_hold(model: Model, t: float, y: Array) -> bool:
 
 
 LOOKS = 1000  # of a run, and one of each block of steps
+# Velocity coordinates up to which each look takes the whole mechanism: 5 ms, by their square above.
+WHOLE = 100
 # Over the lowest frequency of the body [rad]: it does not notice a load that passes sooner, as the
 # waves of stress that follow a sudden release.
 LASTS = 0.05
@@ -442,6 +442,7 @@ class BucklingMonitor:
     findings: list[Finding] = field(default_factory=list)  # one for each body
     _last: int = -1  # part of the run in which the last look was
     _since: dict[int, float] = field(default_factory=dict)  # start of a loss that lasts so far [s]
+    _held: list[float] = field(default_factory=list)  # when joints held all bodies [s], ascending
     _loading: Loading = field(init=False)
 
     def __post_init__(self) -> None:
@@ -493,9 +494,23 @@ class BucklingMonitor:
             w = self.spin.spin(i, y[k])
             loaded = np.linalg.eigvalsh(self.spin.matrices(i, y[k])[0] + loads[k])[0]
             passed = loaded > 0.0 and self.spin.holds(i, w, whole[k], loads[k])
-            if passed or joints_hold(self.tables, float(t[k]), y[k]):
+            if passed or self._joints_hold(float(t[k]), y[k]):
                 lowest[k] = -lowest[k]
         return lowest
+
+    def _joints_hold(self, t: float, y: Array) -> bool:
+        """Return whether joints hold all bodies in a state, or did in one shortly before it.
+
+        One answer serves all bodies, and in a large mechanism the looks that follow, too, so that
+        a run of any size has the cost of `LOOKS` at `WHOLE` coordinates.
+        """
+        pause = self.t_end / LOOKS * max((self.model.n_vel / WHOLE) ** 2 - 1.0, 0.0)
+        k = bisect_right(self._held, t)
+        if k == 0 or t - self._held[k - 1] > pause:
+            if not joints_hold(self.tables, t, y):
+                return False
+            self._held.insert(k, t)
+        return True
 
     def _stiffness_of_loads(self, i: int, t: Array, y: Array) -> Array | None:
         if i not in self.bodies:
