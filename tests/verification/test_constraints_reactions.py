@@ -107,3 +107,17 @@ def test_momentum_balance_in_free_flight_is_that_of_no_load(speed):
     balance = momentum_balance(model, np.zeros(1), y[None])
     assert balance.linear < 1e-6
     assert balance.angular < 1e-6
+
+
+def test_momentum_balance_of_a_body_that_hangs_at_rest():
+    """Its forces have no moment about the hinge but round-off, which has no size of its own."""
+    centre = np.array([0.3, 0.4, 0.1])
+    body = rigid_body("bar", 2.0, centre, np.eye(3))
+    markers = [MarkerTable(-1, np.zeros(3)), MarkerTable(0, np.zeros(3))]
+    joints = [JointTable("hinge", "spherical", 0, 1)]
+    model = assemble_model([body], markers, joints, gravity_G=(0.0, -9.81, 0.0))
+    y = np.zeros(14)
+    half = centre / np.linalg.norm(centre) - [0.0, 1.0, 0.0]  # turns the centre to -y
+    y[3:7] = [0.0, *half] / np.linalg.norm(half)
+    balance = momentum_balance(model, np.zeros(1), y[None])
+    assert balance.angular < 1e-8

@@ -211,7 +211,7 @@ def stiffened(model: Model, body: int) -> bool:
     return bool(model.second_start[body + 1] > model.second_start[body])
 
 
-LOADED = 1e-3  # least load, over that which the kinetic energy stands for
+LOADED = 1e-3  # least load, over that which the kinetic energy or the largest force stands for
 
 # Central differences, exact for polynomials up to the sixth degree.
 DIFFERENCE = ((-3, -1 / 60), (-2, 3 / 20), (-1, -3 / 4), (1, 3 / 4), (2, -3 / 20), (3, 1 / 60))
@@ -296,12 +296,15 @@ def momentum_balance(model: Model, t: Array, y: Array) -> MomentumBalance:
     rates, multipliers = series.along_solution(model, t, y)
     total, scale = acting(model, t, y, multipliers)
     error = np.abs(momentum_rates(model, y, rates) - total)
-    # In free flight there is no load: what is left is round-off of the inertia terms.
+    # Round-off is all that is left of the inertia terms in free flight, and of the moments of a
+    # mechanism that hangs at rest.
     v = y[:, model.n_pos : model.n_pos + model.n_vel]
     momenta, _ = series.momenta(model, y)
     energy = 0.5 * float(np.abs(v * momenta).sum(axis=1).max())
-    least = LOADED * energy * np.array([1.0 / extent(model, y[0]), 1.0])
-    largest = np.maximum(scale.reshape(-1, 2, 3).max(axis=(0, 2)), np.maximum(least, 1e-300))
+    size = extent(model, y[0])
+    found = scale.reshape(-1, 2, 3).max(axis=(0, 2))
+    force = LOADED * max(energy / size, float(found[0]), 1e-300)
+    largest = np.maximum(found, force * np.array([1.0, size]))
     relative = error.reshape(-1, 2, 3).max(axis=(0, 2)) / largest
     return MomentumBalance(float(relative[0]), float(relative[1]))
 
