@@ -153,7 +153,7 @@ def add_doubtful(parser: Any) -> None:
     flag(
         parser,
         "allow-doubtful",
-        "warn of packages whose numbers contradict each other (see `validate`); damaged or "
+        "warn of packages whose numbers contradict each other (see `info`); damaged or "
         "unusable ones are still refused",
     )
 

@@ -28,15 +28,17 @@ Ctrl-C, TERM or HUP.
 
 @command("compile", "setup:run_compile")
 def add_compile(parser: Any) -> None:
-    """Compile before the first run."""
-    flag(parser, "all", "also that of generalized-alpha, and what FEniCSx needs of bodies")
+    """Compile before the first run, which is then as fast as later ones."""
+    flag(parser, "all", "also for generalized-alpha, and what FEniCSx needs to build bodies")
 
 
 @command("schema", "setup:run_schema")
 def add_schema(parser: Any) -> None:
     """Print the JSON schema of a file, by which editors complete and check it."""
     kinds = ["case", "section", "shell", "solid"]
-    parser.add_argument("kind", nargs="?", choices=kinds, default="case", help="see docs/runs.md")
+    parser.add_argument(
+        "kind", nargs="?", choices=kinds, default="case", help="of a file (default: case)"
+    )
 
 
 @command("materials", "setup:run_materials")

@@ -98,7 +98,7 @@ def run_new(options: argparse.Namespace) -> int:
     """
     name: str = options.starter
     if name not in STARTERS:
-        raise InputError(f"new {name}: no such starter{nearest(name, STARTERS)}")
+        raise InputError(f"new {name}: no such starter{nearest(name, STARTERS, len(STARTERS))}")
     folder: Path = options.folder or Path(name)
     if folder.exists() and not folder.is_dir():
         raise InputError(f"{folder}: expected a new folder, found a file")

@@ -86,6 +86,8 @@ def solid_spec(file: Path, material: str | None, size: float | None) -> SolidSpe
             "regions": {"all": {"material": "material"}},
         }
     else:
+        if file.suffix.lower() != ".toml":
+            raise InputError(f"{file}: expected a STEP or IGES file, or a description (.toml)")
         if material is not None:
             raise InputError(f"{file}: --material: expected with a CAD file only")
         table = read_toml(file, "solid description")

@@ -179,7 +179,7 @@ WRONG = {
         (
             'interfaces = { root = { at = "left"',
             'modes = [{ kind = "static-axial" }]\ninterfaces = { root = { at = "left"',
-            'bodies.bar.modes[0].kind = "static-axial": expected "lowest"',
+            'bodies.bar.modes.0.kind = "static-axial": expected "lowest"',
         ),
     ],
 }

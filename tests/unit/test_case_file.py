@@ -69,6 +69,27 @@ BAD = {
         't_end = 1.0\nunits = "mm"',
         "solver.units: unknown key: it belongs at the top of the file, above the first table",
     ),
+    "plural of a key of the table": (
+        "[sweeps.layup-speed]",
+        '[sweeps.layup-speed]\nruns = "layup-1"',
+        r"sweeps\.layup-speed\.runs: unknown key; did you mean 'run'",
+    ),
+    "unit in a text": ("E1 = 129.207e9", 'E1 = "129.2 GPa"', r"number \[Pa\], .* without a unit"),
+    "true in quotes": (
+        "geometric_stiffening = true",
+        'geometric_stiffening = "yes"',
+        'geometric_stiffening = "yes": expected true or false',
+    ),
+    "keys of another shape": (
+        'shape = "rectangle"\nwidth = 0.060',
+        'shape = "tube"\nwidth = 0.060',
+        r'sections\.arm\.shape = "tube": width, height are keys of rectangle',
+    ),
+    "misspelt in a variant": (
+        "[variants.layup-1.bodies]\narm =",
+        "[variants.layup-1.bodies]\narmm =",
+        r"bodies\.armm: not in the case; did you mean 'arm'\? .* \(run layup-1, variant layup-1\)",
+    ),
     "word of others": ("\nE1 = ", "\nE = ", r"E: unknown key; did you mean 'E1'"),
     "length of a list": ("[0.0, -9.81, 0.0]", "[0.0, -9.81]", "expected a list of 3 numbers"),
     "figure": (

@@ -156,6 +156,7 @@ def checked_case(
 
     specs = BodySpecs(file.parent, top.units)
     runs: dict[str, Mechanism] = {}
+    sound = set[str]()  # runs that sweeps and studies may vary
     bodies: dict[str, dict[str, BodySpec]] = {}
     findings.add(
         f"{file}: {table}.{name}: expected another name, build/CASE has {RESERVED[table][name]}"
@@ -167,11 +168,13 @@ def checked_case(
         try:
             mechanism, texts = mechanism_of(merged, file.parent, top.units)
         except ValidationError as error:
-            findings.of_run(name, bare_lines(error, Mechanism))
+            findings.of_run(name, (_renamed(line, base) for line in bare_lines(error, Mechanism)))
             continue
         runs[name], bodies[name], errors = in_parts(mechanism, specs)
         errors += [] if top.units == "m" else _in_two_units(mechanism, texts, top.units)
         findings.of_run(name, errors)
+        if not errors:
+            sound.add(name)
     if not findings:  # otherwise a run that is wrong would be missing
         for name, mechanism in runs.items():
             findings.of_run(name, check_elsewhere(mechanism, runs))
@@ -189,19 +192,28 @@ def checked_case(
     for name, sweep in top.sweeps.items():
         key = f"sweeps.{name}"
         findings.add(unknown(f"{file}: {key}.run", sweep.run, "run", top.runs))
-        if sweep.run in runs and (sweeps is None or name in sweeps):
+        if sweep.run in sound and (sweeps is None or name in sweeps):
             with findings.of_sweep(key):
                 checked_sweeps[name] = varied(key, sweep)
     studies: dict[str, CheckedStudy] = {}
     for name, study in (top.design.studies if top.design else {}).items():
         key = f"design.studies.{name}"
         findings.add(unknown(f"{file}: {key}.run", study.run, "run", top.runs))
-        if study.run in runs and top.design is not None:
+        if study.run in sound and top.design is not None:
             with findings.of_sweep(key):
                 studies[name] = check_study(f"{file}: {key}", name, top.design, specs, merged_of())
     if findings:
         raise InputError("\n".join(findings.lines()))
     return Case(case_name(file), file, top, runs, bodies, varied, checked_sweeps, studies)
+
+
+def _renamed(line: str, base: Tables) -> str:
+    """Return a message; of a table that a variant begins, with the one that it may have meant."""
+    found = re.match(r"(\w+)\.([\w-]+)\.(\w+): missing", line)
+    group, name, key = found.groups() if found else ("", "", "")
+    there = base.get(group)
+    hint = did_you_mean(name, there) if isinstance(there, dict) and name not in there else ""
+    return f"{group}.{name}: not in the case{hint} A new one needs {key}" if hint else line
 
 
 def _in_two_units(mechanism: Mechanism, texts: Mapping[str, str], unit: str) -> Iterator[str]:

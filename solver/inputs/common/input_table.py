@@ -22,7 +22,7 @@ from pydantic import (
 )
 from pydantic.fields import FieldInfo
 
-from ...errors import InputError, few, nearest, printable
+from ...errors import InputError, counted, few, nearest, printable
 from .units import unit_of, with_metres
 
 
@@ -150,6 +150,7 @@ def plain_table(table: BaseModel) -> Any:
 Model = TypeVar("Model", bound=BaseModel)
 FEW = 8  # words that a message lists
 _DECIMAL = re.compile(r"0\.0{6,}\d+")  # a limit like 1e-30, which pydantic writes out
+_WITH_UNIT = re.compile(r"[-+]?[\d.]+(e[-+]?\d+)? *[A-Za-zµ°%]+[A-Za-z\d/^*-]*")  # "70 GPa"
 
 
 def lines(error: ValidationError, model: type[BaseModel], where: str) -> list[str]:
@@ -207,19 +208,23 @@ def bare_lines(error: ValidationError, model: type[BaseModel], under: str = "") 
         key = printable(".".join(map(str, path)))
         *others, own = _kinds_with(names, model, table)
         alike = [name for name in names if any(name in known for known in _keys(kind))]
+        tag = next((t for t in ("kind", "shape") if t in _fields(kind)), "")
         if len(names) > 1 and others and not alike:  # the kind is wrong, not the keys
             expected = {head: v for head, v in expected.items() if not head.startswith(f"{key}.")}
             text = f"{', '.join(map(printable, names))} are keys of {few(others, ' or ')}"
-            expected[f'{key}.kind = "{own}"'] = [text]
+            expected[f'{key}.{tag} = "{own}"' if tag else f"{key}.{own}"] = [text]
             continue
         for name in names:
             *others, own = _kinds_with([name], model, table)
             hint = meant(name, _keys(kind))
-            if table and name in ("units", *_keys(model)) and name not in MEANT:
+            plural = name.removesuffix("s") in _keys(kind)  # "runs" for "run"
+            if table and name in ("units", *_keys(model)) and name not in MEANT and not plural:
                 hint = ": it belongs at the top of the file, above the first table"
             common = name in MEANT and hint.startswith("; did")
             meant_here = common or "." in hint or any(name in known for known in _keys(kind))
-            if others and not meant_here:
+            if name in others:  # the key that stands for a kind
+                hint = f": expected {tag or own} or {name}, not both"
+            elif others and not meant_here:
                 has = "has" if len(others) == 1 else "have"
                 hint = f" of {own}; {few(others)} {has} it"
             expected[printable(f"{key}.{name}" if key else name)] = [f"unknown key{hint}"]
@@ -380,6 +385,12 @@ def _line(item: Any, model: type[BaseModel], path: list[Any], kind: Any) -> tupl
         text = f"expected a text in quotes: {field.description.partition(';')[0]}"
     elif item["type"] == "string_pattern_mismatch" and item["ctx"]["pattern"].startswith(NAME):
         text = "expected a name of letters A to Z, digits and _, a letter first"
+    elif item["type"] == "string_pattern_mismatch" and field is not None and field.description:
+        text = f"expected {field.description.partition(';')[0]}"
+    elif item["type"] in ("bool_type", "bool_parsing"):
+        text = "expected true or false"
+    elif item["type"] == "too_short":
+        text = f"expected at least {counted(item['ctx']['min_length'], 'entry', 'entries')}"
     elif item["type"] in ("model_type", "model_attributes_type", "dict_type"):
         text = f"expected a table{_with_keys(kind)}"
     elif item["type"] in ("float_type", "int_type") and isinstance(value, str):
@@ -387,6 +398,8 @@ def _line(item: Any, model: type[BaseModel], path: list[Any], kind: Any) -> tupl
         text += f" [{unit}]" * bool(unit)
         if is_number(value):
             text += ", without quotes"
+        elif _WITH_UNIT.fullmatch(value):
+            text += ", without quotes and without a unit"
         elif "parameters" in model.model_fields and path[0] != "parameters":
             text += ", or an expression of [parameters]" + item.get("ctx", {}).get("why", "")
     hint = ""

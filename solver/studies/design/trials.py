@@ -156,7 +156,9 @@ class Trials:
         except InputError as error:  # such as an impact that has no derivative
             if self.study.table.gradient == "exact":
                 raise
-            LOGGER.warning("%s: differences of this design: %s", self.study.name, _line(error))
+            LOGGER.warning(
+                "%s: derivatives of one design by differences: %s", self.study.name, _line(error)
+            )
             return self._differences(p)
 
     def words_of_gradient(self) -> str:

@@ -138,7 +138,7 @@ def shell_body_spec(
     mesh = Path(shell["mesh"]["file"])
     errors = _groups(key, body, mesh) + check_places(key, body)
     for i, mode in enumerate(body.modes):
-        where = f'{key}.modes[{i}].kind = "{mode.kind}"'
+        where = f'{key}.modes.{i}.kind = "{mode.kind}"'
         if mode.kind == "torsion":
             errors.append(
                 f'{where}: expected "lowest", "bending-xy", "bending-xz" or "axial": a shell that '
@@ -204,7 +204,7 @@ def solid_body_spec(
     except InputError as error:
         raise under(f"{key}.solid", error) from error
     errors = check_places(key, body) + [
-        f'{key}.modes[{i}].kind = "{mode.kind}": expected "lowest" or "attachment": the modes of '
+        f'{key}.modes.{i}.kind = "{mode.kind}": expected "lowest" or "attachment": the modes of '
         "a solid"
         for i, mode in enumerate(body.modes)
         if not _of_solids(mode)

@@ -134,7 +134,7 @@ def check_modes(
     """
     asked = [(f"{key}.reference.at", place) for place in reference.places]
     asked += [
-        (f"{key}.modes[{i}].at", mode.at)
+        (f"{key}.modes.{i}.at", mode.at)
         for i, mode in enumerate(modes)
         if isinstance(mode, AttachmentChoice)
     ]
@@ -147,7 +147,7 @@ def check_modes(
                 f'{where} = "{place}"{note}: no such interface{nearest(place, fractions)}'
             )
     errors += [
-        f'{key}.modes[{i}].kind = "{mode.kind}": expected reference.kind "clamped" or "chord" with '
+        f'{key}.modes.{i}.kind = "{mode.kind}": expected reference.kind "clamped" or "chord" with '
         "it: a mean axis carries its first load"
         for i, mode in enumerate(modes)
         if isinstance(mode, SpinningChoice | StaticInertiaChoice)

@@ -113,8 +113,8 @@ class Quantity(Table):
     mass: Name | None = optional('name of a body, or "mechanism" [kg]')
     section: Name | None = optional("name of a beam; with `entry`")
     entry: str | None = optional(
-        'of the 6x6 stiffness "K11" to "K66" of its first section, or of the flexibility "S11" '
-        'to "S66"',
+        '"K11" to "K66", of the 6x6 stiffness of its first section, or "S11" to "S66", of the '
+        "flexibility",
         pattern="^[KS][1-6][1-6]$",
     )
     deformation_energy: Name | None = optional(
