@@ -10,6 +10,8 @@ from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
+import scipy.sparse as sp
+from scipy.sparse.csgraph import connected_components
 
 from ...solver.errors import few
 from ...solver.math.arrays import Array, IntArray
@@ -87,14 +89,23 @@ def faces(cell: str) -> IntArray:
     return np.array(rows)
 
 
-def boundary(cells: IntArray, cell: str) -> tuple[IntArray, IntArray, IntArray]:
-    """Faces of one cell only: their nodes (f, 6 or 8), cell (f,) and number in it (f,)."""
+def boundary(cells: IntArray, cell: str) -> tuple[IntArray, IntArray, IntArray, IntArray]:
+    """Faces of one cell only: their nodes (f, 6 or 8), cell (f,) and number in it (f,).
+
+    And the number of the part of each cell (c,); parts have no common face.
+    """
     local = faces(cell)
     nodes = cells[:, local].reshape(-1, local.shape[1])
     corners = np.sort(nodes[:, : local.shape[1] // 2], axis=1)
-    _, first, count = np.unique(corners, axis=0, return_index=True, return_counts=True)
+    _, first, face, count = np.unique(
+        corners, axis=0, return_index=True, return_inverse=True, return_counts=True
+    )
     own = np.sort(first[count == 1])
-    return nodes[own], own // len(local), own % len(local)
+    size = len(cells) + len(first)
+    pairs = np.repeat(np.arange(len(cells)), len(local)), len(cells) + face.ravel()
+    graph = sp.coo_matrix((np.ones(len(face), dtype=np.int8), pairs), shape=(size, size))
+    part = connected_components(graph, directed=False)[1][: len(cells)]
+    return nodes[own], own // len(local), own % len(local), part
 
 
 def derivatives(cell: str, at: Array) -> Array:
@@ -269,7 +280,9 @@ def _made(
             f"{file}: {len(wrong)} of {len(plain.cells)} cells are turned inside out, near "
             f"{few(places)} m; expected smaller cells there, or a part without these features"
         )
-    nodes, owner, local = boundary(plain.cells, plain.cell)
+    nodes, owner, local, part = boundary(plain.cells, plain.cell)
+    if part.any():
+        raise SolidError(f"{file}: {_parts(plain, part)}")
     width = nodes.shape[1] // 2
     known = {tuple(sorted(row)): i for i, row in enumerate(nodes[:, :width].tolist())}
     groups = {}
@@ -278,6 +291,23 @@ def _made(
         if rows := [row for row in found_rows if row is not None]:  # no face between two solids
             groups[name] = np.array(rows)
     return SolidMesh(plain, nodes, owner, local, groups, mesh.curves, mesh.exact)
+
+
+def _parts(plain: PlainMesh, part: IntArray) -> str:
+    """Words for parts without a common face: one edge is a hinge, more of them are no joint."""
+    words, nodes = [], [np.unique(plain.cells[part == k]) for k in range(part.max() + 1)]
+    for number, own in enumerate(nodes):
+        names = few(plain.regions[i] for i in np.unique(plain.region[part == number]))
+        low, high = (np.round(f(plain.points[own], axis=0), 6).tolist() for f in (np.min, np.max))
+        words.append(f"{names} from {low} to {high} m")
+    shared = np.flatnonzero(np.bincount(np.concatenate(nodes)) > 1)
+    touch = (
+        f"; two touch at {np.round(plain.points[shared[0]], 6).tolist()} m" if shared.size else ""
+    )
+    return (
+        f"{len(nodes)} parts without a common face: {few(words, '; ')}{touch}; expected one body, "
+        "whose cells share faces with the same nodes"
+    )
 
 
 def _turned(plain: PlainMesh) -> IntArray:

@@ -315,15 +315,14 @@ def flat(file: Path) -> None:
         gmsh.clear()
 
 
-def crossed(file: Path) -> None:
-    """Write two boxes that intersect."""
-    with gmsh_session() as gmsh:
-        gmsh.clear()
-        gmsh.model.occ.addBox(0, 0, 0, 10, 10, 10)
-        gmsh.model.occ.addBox(5, 5, 5, 10, 10, 10)
-        gmsh.model.occ.synchronize()
-        gmsh.write(str(file))
-        gmsh.clear()
+def with_box(x: float, y: float, z: float, side: float) -> Callable[[Path], Any]:
+    """A spoiler that writes a cube of 10 and another of this place and side."""
+
+    def draw(occ: Any) -> None:
+        occ.addBox(0, 0, 0, 10, 10, 10)
+        occ.addBox(x, y, z, side, side, side)
+
+    return lambda file: step_file(file, draw)
 
 
 def replaced(old: str, new: str) -> Callable[[Path], Any]:
@@ -357,12 +356,15 @@ def crossed_edges(file: Path) -> None:
         (crossed_edges, "gmsh (ends by|does not end|cannot mesh)"),
         (open_shell, "part.step: no closed solid, found 5 faces"),
         (flat, "part.step: no closed solid, found 1 faces"),
-        (crossed, "part.step: 2 solids intersect"),
+        (with_box(5, 5, 5, 10), "part.step: 2 solids intersect"),
+        (with_box(2, 2, 2, 5), "part.step: 2 solids intersect"),
+        (with_box(0, 0, 0, 10), "part.step: 2 solids intersect"),
+        (with_box(10, 10, 0, 10), r"2 parts .*; two touch at \[0.01, 0.01, 0.0\] m; expected"),
         (lambda file: file.write_text("solid"), "line 1: expected ISO-10303-21"),
     ],
     ids=[
         *("no unit", "parenthesis", "quote", "missing", "twice", "cut off", "crossed edges"),
-        *("open", "flat", "crossed", "no STEP"),
+        *("open", "flat", "crossed", "within", "twice there", "by an edge", "no STEP"),
     ],
 )
 def test_wrong_geometry_is_refused(
