@@ -85,7 +85,14 @@ class PrismaticSolver:
         self._A, self._V0 = result.A, result.V0
 
     def solve(self, load: Array, resultants: Array, _: float) -> tuple[Array, Array]:
-        """W (n_dof, p, 6) and S_e (6, p, 6) with these terms, of the same shapes."""
+        """W (n_dof, p, 6) and S_e (6, p, 6) with these terms, of the same shapes.
+
+        Parameters
+        ----------
+        load : (n_dof, p, 6) loads on the warping, for p parameters
+        resultants : (6, p, 6)
+        _ : not used: these solutions are not iterated
+        """
         state, space = self._state, self._space
         W, S_e = np.zeros(load.shape), np.zeros(resultants.shape)
         constant, shear = np.s_[..., CLASSICAL], np.s_[..., SHEAR]
@@ -181,7 +188,7 @@ def changed(
     return Changes(0.5 * (dK + np.swapaxes(dK, 1, 2)), W, Q)
 
 
-def changed_stiffness(
+def _changed_stiffness(
     state: Central, solver: PrismaticSolver, of_stiffness: Sequence[tuple[IntArray, Array]]
 ) -> Array:
     """Return the rates K' of `changed` alone, (p, 6, 6), by two solutions for all parameters."""
@@ -234,7 +241,7 @@ def derivatives(
     by_parameter = {one.parameter.name: _of_plies(state, one, middle) for one in asked}
     moving = [one for one in asked if len(one.cells)]
     if not strains and isinstance(solver, PrismaticSolver):
-        rates = changed_stiffness(state, solver, [(one.cells, one.stiffness()) for one in moving])
+        rates = _changed_stiffness(state, solver, [(one.cells, one.stiffness()) for one in moving])
         for one, K in zip(moving, rates, strict=True):
             by_parameter[one.parameter.name]["K"] = K
         moving = []

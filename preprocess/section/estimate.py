@@ -46,10 +46,16 @@ def singular_error(K: Array, energy: Array, exponents: Array, degree: int) -> Ar
 
 
 def error_estimate(K: Array, K_richer: Array, degree: int) -> Array:
-    """Expected |error| of each entry of K (6, 6), in its units.
+    """Expected |error| of each entry of K, (6, 6), in its units.
 
-    `K` belongs to a field of some degree, `K_richer` to one degree more on the same mesh. With
-    errors proportional to degree^-RATE, their difference is a known fraction of the error of K.
+    With errors proportional to degree^-RATE, the difference of two degrees is a known fraction of
+    the error of K.
+
+    Parameters
+    ----------
+    K : (6, 6) by a field of some degree
+    K_richer : (6, 6) by one degree more on the same mesh
+    degree : of the field of K
     """
     return np.abs(K - K_richer) / _removed(degree)
 

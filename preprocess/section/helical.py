@@ -347,10 +347,20 @@ class Equations:
         return Waves(strains, self.C, self._kept, self.T, self._simple)
 
     def solve(self, load: Array, resultants: Array, enough: float = ENOUGH) -> Residual:
-        """Warping and beam strains, of the shapes of loads (n_dof, ..., 6) and resultants.
+        """Warping and beam strains, of the shapes of loads and resultants.
 
-        Each correction is that of the residual; the first ones need not become smaller. The last
-        one leaves less than `enough`, relative. Raises SectionError if they do not converge.
+        Each correction is that of the residual; the first ones need not become smaller.
+
+        Parameters
+        ----------
+        load : (n_dof, ..., 6) on the warping
+        resultants : (6, ..., 6)
+        enough : what the last correction may leave, relative to the solution
+
+        Raises
+        ------
+        SectionError
+            The corrections do not converge.
         """
         W, S_e = np.zeros_like(load), np.zeros_like(resultants)
         left, last, rest, size = (load, resultants), np.inf, np.inf, 0.0

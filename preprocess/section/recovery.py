@@ -102,7 +102,14 @@ VTK_CELLS = ({3: 5, 6: 22}, {4: 9, 8: 23, 9: 28})
 
 
 def mesh_data(mesh: SectionMesh, space: SectionSpace, lay: Layup) -> SectionMeshData:
-    """The mesh with region, ply and directions of every cell."""
+    """The mesh with region, ply and directions of every cell.
+
+    Parameters
+    ----------
+    mesh : of the section
+    space : points of its cells; that in the middle stands for the cell
+    lay : plies and directions at these points
+    """
     cells = mesh.cells
     c = cells.n_cell
     points, tables, types = numbered(cells)

@@ -50,7 +50,19 @@ SMOOTH = 1e-2  # relative difference of two quotients, of first order, from node
 def parameters(
     spec: Mapping[str, Any], design: Mapping[str, Targets], where: str
 ) -> tuple[Parameter, ...]:
-    """The parameters of a specification. Raises SectionError, see `read_parameters`."""
+    """The parameters of a specification.
+
+    Parameters
+    ----------
+    spec : description of the section, of a checked form
+    design : name of each parameter -> its targets, see `read_parameters`
+    where : file or section, for messages
+
+    Raises
+    ------
+    SectionError
+        A target that does not exist, or cannot be a parameter.
+    """
     return read_parameters(spec, design, OPEN, MAY_BE, _step, f"{where}.", SectionError)
 
 

@@ -88,11 +88,7 @@ class SectionProblem:
         measured: bool = True,
         known: Result | None = None,
     ) -> Result:
-        """The 6x6 stiffness for given stiffness at the points, (c, 1 or q, 6, 6) [Pa].
-
-        `k` (3,) is the initial twist and curvature of the beam, None for a prismatic one.
-        With `doubtful`, equations that appear to be singular are solved too. Without `measured`,
-        round-off is not measured; for a `known` result of this problem it is measured only.
+        """The 6x6 stiffness for given stiffness at the points.
 
         If the condition of the equations requires it, they are solved with unknowns that suit thin
         walls, and their round-off is measured: the difference from solutions with coordinates
@@ -100,6 +96,14 @@ class SectionProblem:
         The round-off of the functions in a cell is the same in all cells, so that it adds up:
         noise of the coordinates alone would not show it. One such difference can be small by
         chance: where it matters, the largest of three counts.
+
+        Parameters
+        ----------
+        C : (c, 1 or q, 6, 6) stiffness at the points, section axes [Pa]
+        k : (3,) initial twist and curvature of the beam [rad/m]; None: prismatic
+        doubtful : solve equations that appear to be singular, too
+        measured : measure the round-off
+        known : result of this problem, of which only the round-off is measured
         """
         C = C[self.space.own]
         result = known or self._solve(C, k, doubtful)
@@ -212,7 +216,17 @@ def section_problem(
 ) -> SectionProblem:
     """The problem on the mesh of a description.
 
-    Raises SectionError if the degree of the field is below that of the geometry.
+    Parameters
+    ----------
+    mesh_spec : table `mesh`
+    where : file or section, for messages
+    degree : of the warping; None: the functions of the nodes of the mesh
+    team : processes that share the matrices; a mesh of few cells is solved by each
+
+    Raises
+    ------
+    SectionError
+        A degree of the field below that of the geometry.
     """
     mesh = section_mesh(mesh_spec, where)
     if degree is not None and degree < mesh.cells.degree:
@@ -250,7 +264,15 @@ class Solved:
 
 
 def compared(solved: Solved, spec: Mapping[str, Any], where: str, *, first: bool) -> Solved:
-    """With the solution of one degree more, and the estimate."""
+    """With the solution of one degree more, and the estimate.
+
+    Parameters
+    ----------
+    solved : the section by the lower degree
+    spec : description of the section
+    where : file or section, for messages
+    first : its mesh is not refined yet; it is kept for other sections
+    """
     coarse, degree = solved.problem, solved.problem.space.degree + 1
     if first:  # that of a mesh without refinement is kept for others
         problem = section_problem(spec["mesh"], where, degree, coarse.team).like(coarse)
@@ -268,7 +290,14 @@ def compared(solved: Solved, spec: Mapping[str, Any], where: str, *, first: bool
 
 
 def resolved(solved: Solved, spec: Mapping[str, Any], where: str) -> Solved:
-    """With as many degrees more as a twisted section requires; its round-off is measured."""
+    """With as many degrees more as a twisted section requires; its round-off is measured.
+
+    Parameters
+    ----------
+    solved : the section, with its estimate
+    spec : description of the section
+    where : file or section, for messages
+    """
     before = None
     while solved.error is not None and solved.problem.space.degree < MOST_DEGREE:
         if scaled(solved.error, solved.result.K).max() <= RESOLVED:
@@ -283,14 +312,14 @@ def resolved(solved: Solved, spec: Mapping[str, Any], where: str) -> Solved:
         except SectionError:  # round-off of the higher degree
             break
     try:
-        return measured(solved, spec, where)
+        return _measured(solved, spec, where)
     except SectionError:  # the same
         if before is None:
             raise
-        return measured(before, spec, where)
+        return _measured(before, spec, where)
 
 
-def measured(solved: Solved, spec: Mapping[str, Any], where: str) -> Solved:
+def _measured(solved: Solved, spec: Mapping[str, Any], where: str) -> Solved:
     """With the round-off of its result."""
     result = solve(solved.problem, solved.lay, where, spec, known=solved.result)
     return replace(solved, result=result)
@@ -305,7 +334,21 @@ def solve(
     measured: bool = True,
     known: Result | None = None,
 ) -> Result:
-    """Solve a problem; a `known` result is only measured. Errors name the section."""
+    """Solve a problem; errors name the section.
+
+    Parameters
+    ----------
+    problem : of the section's mesh
+    lay : plies and stiffness at its points
+    where : file or section, for messages
+    spec : description of the section: its curvature, and what it allows
+    measured, known : as of `SectionProblem.solve`
+
+    Raises
+    ------
+    SectionError
+        Singular or ill-conditioned equations, unless the description allows them.
+    """
     doubtful = ALLOWED[1] in spec.get("allow", ())
     try:
         k = curvature_of(spec)

@@ -21,7 +21,7 @@ from .space.space import SectionSpace
 ROWS = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
 
 
-def functions(cell: str, nodes: Any, degree: int, place: Any) -> Any:
+def _functions(cell: str, nodes: Any, degree: int, place: Any) -> Any:
     """Values and two slopes at a place, (3, k), of the polynomials that are 1 at one node each."""
 
     def monomials(x: float, y: float) -> Any:
@@ -108,9 +108,9 @@ def _of_kind(space: SectionSpace, kind: int, rows: Any, shapes: Array, C: Array,
     matrices = np.zeros((3, c, 3 * n, 3 * n))
     points, weights = fenicsx.quadrature(cell, space.quadrature_degree)
     for q, (place, weight) in enumerate(zip(points, weights, strict=True)):
-        map_ = functions(cell, fenicsx.NODES[cell] / 2.0, 2, place)
+        map_ = _functions(cell, fenicsx.NODES[cell] / 2.0, 2, place)
         x, jacobian = (map_ @ shapes)[:, 0], (map_ @ shapes)[:, 1:]
-        u, *slopes = functions(cell, nodes, space.degree, place)
+        u, *slopes = _functions(cell, nodes, space.degree, place)
         by_x = np.linalg.solve(jacobian, np.broadcast_to(slopes, (c, 2, n)))
         x2, x3 = x.T[..., None]
         g = 1.0 - k[2] * x2 + k[1] * x3

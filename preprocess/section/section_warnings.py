@@ -57,6 +57,12 @@ def taper_error(
     The exact solutions of a wedge of half angle a under axial force and moment (Michell) differ
     from those of a prismatic beam by 2/3 a^2 and 2/5 a^2. The greater is applied to every entry;
     a = taper h / 2 with the largest dimension h of the section.
+
+    Parameters
+    ----------
+    spec : description of the section; `taper` is the relative change of its size [1/m]
+    points : (n, 2) nodes of its mesh [m]
+    K : (6, 6) stiffness
     """
     taper = float(spec.get("taper", 0.0))
     if taper == 0.0:
@@ -98,8 +104,20 @@ def described_warnings(
 ) -> list[dict[str, str]]:
     """Warnings about what a specification asks for, its materials, and the degree of the warping.
 
-    Raises SectionError if a linear field locks: EI is 18 % too large at Poisson's ratio 0.49. It is
-    only a warning if the functions are those of given cells of another code.
+    A linear field locks: EI is 18 % too large at Poisson's ratio 0.49. It is only a warning if the
+    functions are those of given cells of another code.
+
+    Parameters
+    ----------
+    spec : description of the section
+    space : of the warping
+    lay : its plies with their materials
+    where : file or section, for messages
+
+    Raises
+    ------
+    SectionError
+        A linear field that locks and is not allowed.
     """
     linear, given = space.degree == 1, degree_of(spec) is None
     materials = {p.material: m for p, m in zip(lay.plies, lay.materials, strict=True)}
@@ -138,8 +156,14 @@ def described_warnings(
 def coarse_warnings(
     error: Array | None, K: Array, spec_mesh: Mapping[str, Any]
 ) -> list[dict[str, str]]:
-    """Warning if the estimated error (6, 6) of the stiffness is large; what helps depends on the
-    mesh."""
+    """Warning if the estimated error of the stiffness is large; what helps depends on the mesh.
+
+    Parameters
+    ----------
+    error : (6, 6) expected |error| of K; None: not estimated
+    K : (6, 6) stiffness
+    spec_mesh : table `mesh` of the description
+    """
     if error is None:
         return []
     share = scaled(error, K)
@@ -165,7 +189,15 @@ def finer_mesh(spec_mesh: Mapping[str, Any]) -> str:
 def reversal_warnings(
     lay: Layup, mesh: CellMesh, change: float, limit: float
 ) -> list[dict[str, str]]:
-    """Warning about Cartesian layer directions that change their sense inside cells."""
+    """Warning about Cartesian layer directions that change their sense inside cells.
+
+    Parameters
+    ----------
+    lay : plies; it knows the cells in which the direction reverses
+    mesh : the cells
+    change : of K by the other sense in these cells, relative
+    limit : change that needs no warning
+    """
     if change <= limit:
         return []
     cells = np.flatnonzero(lay.reversing)

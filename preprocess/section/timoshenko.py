@@ -82,6 +82,13 @@ def classical_warping(
 
     Paper: Eq. (39), corrected: "D" is the identity, and the projection onto the rigid
     fields is zero because H Psi does no work on them.
+
+    Parameters
+    ----------
+    space : of the warping
+    solver : with the factorised E of C
+    C : (c, 1 or q, 6, 6) stiffness at the points [Pa]
+    Psi : (n_dof, 4) displacements per unit classical strain
     """
     rigid = space.strain_along_beam(Psi)
     load = -space.load_in_section(C @ rigid)
@@ -100,6 +107,13 @@ def shear_warping(
     e' = T [F2, F3], and so does its warping. Paper: Eq. (40), per shear force instead of per e'.
     With the e' that satisfies equilibrium, the load does no work on rigid motions, so
     the projection is not needed.
+
+    Parameters
+    ----------
+    space : of the warping
+    solver : with the factorised E
+    state : strains and stresses of V0
+    T : (4, 2) change of the classical strains along the beam per unit shear force
 
     Returns
     -------
@@ -130,6 +144,13 @@ def shear_compliance(
     G^-1 = C2 - T' B' A^-1 B T, where C2 is the energy quadratic in the shear forces. Paper:
     Eq. (45), with the missing terms of Psi and -B' A^-1 B. Without them the shear stiffness
     is wrong by an order of magnitude.
+
+    Parameters
+    ----------
+    space : of the warping
+    solver : with the factorised E
+    state : strains and stresses of V0
+    A, B : (4, 4) classical stiffness, and work of the stresses on changes along the beam
     """
     T = np.linalg.solve(A, Q)
     V1, load, within = shear_warping(space, solver, state, T)

@@ -130,12 +130,19 @@ class WarpingSolver:
     def solve(
         self, load: Array, size: float, product: Callable[[Array], Array] | None = None
     ) -> Array:
-        """Warping (n_dof, m) under loads (n_dof, m).
+        """Warping (n_dof, m) under loads; `solvability` keeps their relative work on rigid motions.
 
-        `size` is the norm of the terms of the load. The relative work of the loads
-        on rigid motions is stored in `solvability`; raises SectionError if it exceeds round-off.
-        `product` computes E W from the strains of W, which is more accurate than E itself; if the
-        condition of E requires it, the solution is corrected by its residual.
+        Parameters
+        ----------
+        load : (n_dof, m)
+        size : norm of the terms that the load is a sum of
+        product : computes E W from the strains of W, which is more accurate than E itself. If the
+            condition of E requires it, the solution is corrected by its residual.
+
+        Raises
+        ------
+        SectionError
+            The work of the loads on rigid motions exceeds round-off.
         """
         assert self._factor is not None, "call factorise() first"
         work = np.linalg.norm(self.rigid.T @ load, axis=1) / self._rigid_size

@@ -30,6 +30,13 @@ def cell_directions(
 ) -> Array:
     """Unit reference direction of some cells, (c, 3), in G.
 
+    Parameters
+    ----------
+    mesh : of the shell
+    region : table with at most one of KEYS
+    cells : (c,) rows of cells
+    where : key of the table, for messages
+
     Raises
     ------
     ShellError : more than one of the keys, a vector of length 0, unknown curve, cells on
@@ -125,7 +132,16 @@ class Group(NamedTuple):
 def united(mesh: ShellMesh, names: str | Sequence[str], where: str) -> Group:
     """The groups with these names as one; nodes that they share have the sum of their weights.
 
-    Raises ShellError for an unknown name, a name twice, and groups of different kinds.
+    Parameters
+    ----------
+    mesh : of the shell
+    names : of physical points, curves or surfaces, all of one kind
+    where : key that names them, for messages
+
+    Raises
+    ------
+    ShellError
+        An unknown name, a name twice, groups of different kinds.
     """
     listed = [names] if isinstance(names, str) else list(names)
     parts = [group(mesh, str(name), where) for name in listed]
@@ -141,7 +157,19 @@ def united(mesh: ShellMesh, names: str | Sequence[str], where: str) -> Group:
 
 
 def group(mesh: ShellMesh, name: str, where: str) -> Group:
-    """The group with this name. Raises ShellError for an unknown or an ambiguous name."""
+    """The group with this name.
+
+    Parameters
+    ----------
+    mesh : of the shell
+    name : of a physical point, curve or surface
+    where : key that names it, for messages
+
+    Raises
+    ------
+    ShellError
+        An unknown or an ambiguous name.
+    """
     kinds: Mapping[str, Mapping[str, object] | tuple[str, ...]] = {
         "point": mesh.marks,
         "curve": mesh.curves,

@@ -100,11 +100,16 @@ COUNT = "n_"  # scripts of meshes/shells: parameters that count the cells of a d
 
 
 def finer_parameters(path: Path, parameters: Mapping[str, Any], times: int) -> dict[str, object]:
-    """Parameters of a script of the library with twice as many cells in each direction, `times`
-    times.
+    """Parameters of a script of the library with more cells in each direction.
 
     Those of other scripts may count other things. Nodes of a script lie on the surface that it
     describes; those of split cells lie between its nodes.
+
+    Parameters
+    ----------
+    path : the script
+    parameters : that a description gives
+    times : how often the numbers of cells are doubled
     """
     defaults = load_script(path).DEFAULTS
     counts = {key: n for key, n in defaults.items() if key.startswith(COUNT)}

@@ -168,7 +168,7 @@ def projected_axes(e3: Array, direction_G: Array) -> tuple[Array, BoolArray]:
     return np.stack([e1, np.cross(e3, e1), e3], axis=2), along
 
 
-def refuse(wrong: BoolArray, fault: str, cells: IntArray) -> None:
+def _refuse(wrong: BoolArray, fault: str, cells: IntArray) -> None:
     """Raise `CellError` with the first wrong cells, if any."""
     if not wrong.any():
         return
@@ -288,10 +288,10 @@ def cell_geometry(
     twice_area = np.linalg.norm(normal, axis=1)
     longest = np.max([np.linalg.norm(one, axis=1) for one in across], axis=0, initial=0.0)
     # "not greater" catches NaN as well
-    refuse(~(twice_area > FLAT * longest**2), "has no area", cells)
+    _refuse(~(twice_area > FLAT * longest**2), "has no area", cells)
     e3 = normal / twice_area[:, None]
     A_GE, along = projected_axes(np.where(flip[..., None], -e3, e3), direction_G)
-    refuse(~along, NORMAL, cells)
+    _refuse(~along, NORMAL, cells)
     local = (corners - corners.mean(axis=1, keepdims=True)) @ A_GE
     xy, height = local[:, :, :2], np.ascontiguousarray(local[:, :, 2])
     if k == 3:
@@ -302,7 +302,8 @@ def cell_geometry(
         turned = np.where(flip, -1.0, 1.0)  # sense of the corners about e3
         convex = (at_corners * np.reshape(turned, (-1, 1)) > 0.0).all(axis=1)
         weight = np.abs(weight)
-        refuse(~(convex & (weight > 0.0).all(axis=1)), "has an angle of 180 degrees or more", cells)
+        convex &= (weight > 0.0).all(axis=1)
+        _refuse(~convex, "has an angle of 180 degrees or more", cells)
         area = weight.sum(axis=1)
         xy = xy - ((weight @ AT_GAUSS)[:, None] @ xy) / area[:, None, None]
     edge = np.roll(xy, -1, axis=1) - xy

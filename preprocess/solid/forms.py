@@ -55,6 +55,13 @@ def pressure(space: Any, over: Any) -> Any:
 
 
 def mass(space: Any, rho: Any, degree: int = MASS_DEGREE) -> Any:
-    """Work of the inertia forces rho u on v, with integration exact for a polynomial degree."""
+    """Work of the inertia forces rho u on v.
+
+    Parameters
+    ----------
+    space : of the displacements
+    rho : density of the cells [kg/m3]
+    degree : polynomial degree that is integrated exactly
+    """
     u, v = ufl.TrialFunction(space), ufl.TestFunction(space)
     return rho * ufl.inner(u, v) * ufl.dx(metadata={"quadrature_degree": degree})

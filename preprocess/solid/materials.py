@@ -35,7 +35,19 @@ class Curve:
 
     @classmethod
     def of(cls, table: Mapping[str, Any], curves: Mapping[str, Array], where: str) -> "Curve":
-        """A curve by `points`, or by `at`, the name of one of `curves`. Raises SolidError."""
+        """A curve by points, or of the mesh.
+
+        Parameters
+        ----------
+        table : `points`, or `at`, the name of one of `curves`
+        curves : pieces (s, 2, 3) by name [m]
+        where : key of the table, for messages
+
+        Raises
+        ------
+        SolidError
+            No such curve; points that are not different.
+        """
         if "at" in table:
             if table["at"] not in curves:
                 raise SolidError(
@@ -108,7 +120,17 @@ def cell_materials(
 ) -> CellMaterials:
     """Materials of all cells.
 
-    Raises SolidError for volumes without a region, regions without a volume, parallel axes.
+    Parameters
+    ----------
+    mesh : of the solid
+    regions : tables by the name of a volume, or of "all" others
+    materials : tables by name
+    where : prefix of keys in messages
+
+    Raises
+    ------
+    SolidError
+        Volumes without a region, regions without a volume, parallel axes.
     """
     plain = mesh.plain
     unknown = [name for name in regions if name not in (*plain.regions, ALL)]

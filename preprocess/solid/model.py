@@ -58,7 +58,13 @@ class Mumps:
             raise ArithmeticError(str(error)) from error
 
     def eigenpairs(self, K: Any, M: Any, count: int) -> tuple[Array, Array]:
-        """Lowest values (count,) and vectors of K x = value M x."""
+        """Lowest values (count,) and vectors of K x = value M x.
+
+        Parameters
+        ----------
+        K, M : (n, n) sparse, symmetric; the same on every process
+        count : of the lowest values
+        """
         self._forget()
         return fenicsx.eigenpairs(own(K), own(M), count, team=self._team, solid=True)
 
@@ -91,7 +97,13 @@ class Iterative:
         raise ArithmeticError(f"{A.shape[0]} unknowns are not factorised")
 
     def eigenpairs(self, K: Any, M: Any, count: int) -> tuple[Array, Array]:
-        """Lowest values (count,) and vectors of K x = value M x."""
+        """Lowest values (count,) and vectors of K x = value M x.
+
+        Parameters
+        ----------
+        K, M : (n, n) sparse, symmetric; the same on every process
+        count : of the lowest values
+        """
         return self._grids(K).eigenpairs(M, count)
 
     def _grids(self, A: Any) -> Any:

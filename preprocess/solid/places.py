@@ -15,7 +15,16 @@ NEAR = 1e-3  # distance from the plane or cylinder relative to the size of the f
 def interface_faces(mesh: SolidMesh, table: Mapping[str, Any], where: str) -> IntArray:
     """Rows of the outer faces of an interface.
 
-    Raises SolidError if there are none, naming bores or planes that are there.
+    Parameters
+    ----------
+    mesh : of the solid
+    table : of the interface, with `at`, `bore` or `plane`
+    where : key of the table, for messages
+
+    Raises
+    ------
+    SolidError
+        There are none; the message names bores or planes that are there.
     """
     if "at" in table:
         if table["at"] not in mesh.groups:

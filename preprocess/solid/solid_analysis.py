@@ -67,9 +67,18 @@ class HeldSolid:
     def case(
         self, loads: Mapping[str, Any], unit_pressure: Callable[[str], Array], where: str = "loads"
     ) -> Case:
-        """Static displacements under the loads of a case; `where`: its key, for messages.
+        """Static displacements under the loads of a case.
 
-        `unit_pressure`: see SolidModel.
+        Parameters
+        ----------
+        loads : tables by name: gravity [m/s2], force [N], moment [N m], pressure [Pa]
+        unit_pressure : see `SolidModel`
+        where : key of the case, for messages
+
+        Raises
+        ------
+        SolidError
+            The displacements overflow.
         """
         f = np.zeros(self._T.shape[0])
         for load in loads.values():

@@ -63,9 +63,14 @@ def face_axes(model: SolidModel) -> Array:
 def face_stresses(
     model: SolidModel, materials: Mapping[str, Any], u: Array, cases: Mapping[str, Array]
 ) -> FaceStresses:
-    """Stresses of all outer faces in modes u (n, 3, m), and in load cases of displacements (n, 3).
+    """Stresses of all outer faces in modes and in load cases.
 
-    `materials` are the tables of a description by name.
+    Parameters
+    ----------
+    model : the solid
+    materials : tables of its description, by name
+    u : (n, 3, m) modes
+    cases : displacements (n, 3) by load case [m]
     """
     mesh, names = model.mesh, sorted(set(model.materials.names))
     of_region = np.array([names.index(name) for name in model.materials.names])

@@ -103,12 +103,12 @@ def _on_edge(kind: int, place: Array, along: Array) -> list[tuple[int, int, int]
 EVERY = slice(None)
 
 
-def with_slopes(_domain: Any, u: Any, _k: Any) -> Any:
+def _with_slopes(_domain: Any, u: Any, _k: Any) -> Any:
     """u, u,2 and u,3 of the functions u of a cell."""
     return as_vector([u, u.dx(0), u.dx(1)])
 
 
-def position(domain: Any, _u: Any, _k: Any) -> Any:
+def _position(domain: Any, _u: Any, _k: Any) -> Any:
     """x2, x3 and the determinant of the map."""
     x = SpatialCoordinate(domain)
     return as_vector([x[0], x[1], JacobianDeterminant(domain)])
@@ -133,7 +133,7 @@ class CellBlock:
     def functions(self, points: Array, some: IntArray) -> Array:
         """The functions u with u,2 and u,3 of some cells at points of the reference cell,
         (c, q, 3, k)."""
-        values = self.evaluated(with_slopes, points, some)
+        values = self.evaluated(_with_slopes, points, some)
         # A translation has no strain. The rounding of compiled tables is the same in all cells, so
         # that it would add up: very thin strips lose half a digit by it.
         values[:, :, 1:] -= values[:, :, :1] * values[:, :, 1:].sum(axis=-1, keepdims=True)
@@ -143,7 +143,7 @@ class CellBlock:
 
     def map(self, points: Array, some: IntArray) -> Array:
         """Positions x2, x3 and determinant of the map of some cells at points, (c, q, 3)."""
-        return self.evaluated(position, points, some)
+        return self.evaluated(_position, points, some)
 
     def values(self, points: Array) -> Array:
         """The functions at points of the reference cell, (q, k)."""
@@ -155,7 +155,15 @@ class CellBlock:
     def evaluated(
         self, text: Any, points: Array, some: IntArray | slice = EVERY, k: Array | None = None
     ) -> Array:
-        """`fenicsx.evaluated` for some of the cells, with constants k."""
+        """`fenicsx.evaluated` for some of the cells.
+
+        Parameters
+        ----------
+        text : in UFL, as of `fenicsx.evaluated`
+        points : (q, 2) of the reference cell
+        some : rows of the block
+        k : (n,) constants of the text
+        """
         return fenicsx.evaluated(
             text, KINDS[self.kind], self.degree or 2, points, self.shape[some], k
         )

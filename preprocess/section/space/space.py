@@ -294,7 +294,14 @@ class SectionSpace:
         return self._sum(values @ weighted.reshape(*self._areas.shape, -1))
 
     def work(self, stress: Array, strain: Array, cells: Any = slice(None)) -> Array:
-        """Integral of stress' strain over cells, (m, n), of (c, q, 6, m) and (c, q, 6, n)."""
+        """Integral of stress' strain over cells, (m, n).
+
+        Parameters
+        ----------
+        stress : (c, q, 6, m) at the points
+        strain : (c, q, 6, n)
+        cells : rows of the c cells
+        """
         weighted = self._areas[cells][..., None, None] * stress
         return self.team.total(
             weighted.reshape(-1, stress.shape[3]).T @ strain.reshape(-1, strain.shape[3])

@@ -37,7 +37,14 @@ def volume(k: Any, x: Any) -> Any:
 
 
 def twisted_strain_in_section(w: Any, d: Any, k: Any, x: Any) -> Any:
-    """G_k w = G_h w + G_l (k x w + k1 (x3 w,2 - x2 w,3)) / g."""
+    """G_k w = G_h w + G_l (k x w + k1 (x3 w,2 - x2 w,3)) / g.
+
+    Parameters
+    ----------
+    w, d : warping (3,) and its gradient (3, 2)
+    k : (3,) twist and curvature [rad/m]
+    x : x2, x3 [m]
+    """
     turning = cross(k, w) + k[0] * as_vector([x[1] * d[a, 0] - x[0] * d[a, 1] for a in range(3)])
     return strain_in_section(w, d) + strain_along_beam(turning) / volume(k, x)
 

@@ -48,7 +48,7 @@ TURNS = ([10.0 * k for k in range(1, 18)], [-5.0, 5.0], [-2.0, 2.0], [-1.0, 1.0]
 SAME = 1e-6  # relative difference of resultants by rounding
 
 
-def searched(basis: Basis, plies: Plies, angles_deg: Array) -> Array:
+def _searched(basis: Basis, plies: Plies, angles_deg: Array) -> Array:
     """Angles (g,) of a large lambda near some, turned one by one."""
     best, most = angles_deg, basis.value(plies.parameters(angles_deg))
     for turns in TURNS:
@@ -245,7 +245,7 @@ def bound(stressed: Stressed, of: str, begin: Progress) -> dict[str, object]:
         basis = Basis(X, quantity.weighed(X), *linear)
         start = best if near else np.round(mixture.angles_deg)
         signs = rng.choice([-1.0, 1.0], (FLIPS, start.size))  # a mixture does not tell them
-        tried = [searched(basis, plies, each) for each in (start, *(signs * start))]
+        tried = [_searched(basis, plies, each) for each in (start, *(signs * start))]
         angles = max(tried, key=lambda each: basis.value(plies.parameters(each)))
         values, more = quantity.modes(stiffness(plies.parameters(angles)))
         X = np.c_[X, more]

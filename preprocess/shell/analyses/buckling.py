@@ -210,7 +210,16 @@ class Stressed:
     def geometric(self, case: str, where: str, in_plane: bool = True) -> sp.csr_matrix:
         """Geometric stiffness of a load case, with that of its pressures, which follow the surface.
 
-        Raises ShellError for an unknown case.
+        Parameters
+        ----------
+        case : name of the load case
+        where : key that names it, for messages
+        in_plane : stresses do work on rotations about the normal
+
+        Raises
+        ------
+        ShellError
+            An unknown case.
         """
         problem, row = self.problem, self._row(case, where)
         Kg = problem.geometric_stiffness(self.u[:, row], in_plane)
@@ -221,7 +230,13 @@ class Stressed:
         return sp.csr_matrix(Kg + problem.pressure_stiffness(p))
 
     def stiffness(self, case: str | None, where: str, in_plane: bool = True) -> sp.csr_matrix:
-        """Stiffness under a load case; without one that of the unloaded shell."""
+        """Stiffness (n_dof, n_dof) under a load case.
+
+        Parameters
+        ----------
+        case : name of the load case; None: the unloaded shell
+        where, in_plane : as of `geometric`
+        """
         if case is None:
             return self.problem.K
         return sp.csr_matrix(self.problem.K + self.geometric(case, where, in_plane))
@@ -239,9 +254,19 @@ class Stressed:
 
 
 def check_stable(K: sp.csr_matrix, problem: ShellProblem, case: str, where: str) -> None:
-    """Raise ShellError if the shell has buckled under the stresses of a load case.
+    """Check that the shell has not buckled under the stresses of a load case.
 
+    Parameters
+    ----------
     K : (n, n) its stiffness of the free degrees of freedom, without free motions
+    problem : the shell
+    case : name of the load case
+    where : key that names it, for messages
+
+    Raises
+    ------
+    ShellError
+        It has buckled, or K cannot be factorised.
     """
     try:
         negative = fenicsx.negative_pivots(K, problem.team)

@@ -46,10 +46,16 @@ def solve_cases(
     team: fenicsx.Team = fenicsx.ALONE,
     given: Array | None = None,
 ) -> Statics:
-    """Displacements and reactions under nodal forces (n_dof, l).
+    """Displacements and reactions under nodal forces.
 
-    `given` (n_dof, l) are displacements of fixed degrees of freedom, zero elsewhere. Each process
-    of a team has its part of K.
+    Parameters
+    ----------
+    K : (n_dof, n_dof) stiffness, of the cells of this process
+    freedom : which degrees of freedom are free
+    forces : (n_dof, l) [N, N m]
+    names : of the l load cases
+    team : processes that share the cells
+    given : (n_dof, l) displacements of fixed degrees of freedom, zero elsewhere; None: none
 
     Raises
     ------
@@ -166,7 +172,13 @@ def _place(problem: ShellProblem, at: Any, near: Any, where: str) -> Group:
 def load_cases(
     problem: ShellProblem, warnings: Warnings, begin: Progress
 ) -> tuple[ShellCases, ShellProbes, Array]:
-    """Results of all load cases, values of probes, displacements (n_dof, l); adds warnings.
+    """Results of all load cases, values of probes, displacements (n_dof, l).
+
+    Parameters
+    ----------
+    problem : the shell
+    warnings : appended to
+    begin : called with one line at the beginning of each step
 
     Raises
     ------

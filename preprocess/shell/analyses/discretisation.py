@@ -184,8 +184,14 @@ class FinerMesh:
 def energy_errors(finer: FinerMesh, energy: Array, *, slow: bool = False) -> Array | None:
     """Relative errors (l,) of the strain energies of load cases, above 0 if one is too high.
 
-    None if the finer mesh is too large, or not possible. `slow`: the error may fall with a lower
-    power of the cell size than the second, which a third mesh finds where that is cheap.
+    None if the finer mesh is too large, or not possible.
+
+    Parameters
+    ----------
+    finer : the shell on a mesh of half the cell size
+    energy : (l,) strain energies on its own mesh [J]
+    slow : the error may fall with a lower power of the cell size than the second, which a third
+        mesh finds where that is cheap
     """
     if finer.unknowns > MOST:
         return None

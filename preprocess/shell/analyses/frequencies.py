@@ -57,7 +57,7 @@ def natural_modes(
     n_free_motions = free_motions.shape[1]
     target = 0.0
     if n_free_motions:
-        target = -soft_value(K_free, M_free, free_motions[freedom.free], team)
+        target = -_soft_value(K_free, M_free, free_motions[freedom.free], team)
     wanted = count + n_free_motions
     try:
         massive = int(np.count_nonzero(team.total(np.diff(M_free.indptr))))
@@ -95,7 +95,7 @@ def _without_energy(
     return int(np.count_nonzero(np.abs(values) < np.maximum(ZERO * lowest, rounding)))
 
 
-def soft_value(
+def _soft_value(
     K: sp.csr_matrix, M: sp.csr_matrix, free_motions: Array, team: fenicsx.Team = fenicsx.ALONE
 ) -> float:
     """Estimate of the lowest elastic eigenvalue of a structure with the motions `free_motions`.

@@ -35,8 +35,22 @@ WARPED = {"shell-triangles-warped", "shell-quadrilaterals-warped"}
 def shell_modes(
     stressed: Stressed, finer: FinerMesh, warnings: Warnings, begin: Progress
 ) -> tuple[ShellModes | None, str]:
-    """The natural modes that the specification asks for, None without [frequencies], and why their
-    errors are not estimated, empty if they are."""
+    """The natural modes that the specification asks for, and why their errors are not estimated.
+
+    None without [frequencies]; an empty reason if the errors are estimated.
+
+    Parameters
+    ----------
+    stressed : the shell with the displacements of its load cases
+    finer : the shell on a mesh of half the cell size
+    warnings : appended to
+    begin : called with one line at the beginning of each step
+
+    Raises
+    ------
+    ShellError
+        A wrong key, a shell that has buckled, no convergence.
+    """
     problem = stressed.problem
     table = problem.spec.get("frequencies")
     if table is None:
@@ -95,14 +109,30 @@ def free_or_held(problem: ShellProblem, free: bool) -> tuple[Freedom, list[Array
 
 
 def as_columns(freedom: Freedom, rigid: list[Array], drilling: list[Array]) -> Array:
-    """Free motions, (n_dof, k)."""
+    """Free motions as columns, (n_dof, k).
+
+    Parameters
+    ----------
+    freedom : degrees of freedom of the shell
+    rigid, drilling : motions (n_dof,) of both kinds
+    """
     return np.array([*rigid, *drilling]).reshape(-1, freedom.n_dof).T
 
 
 def shell_buckling(
     stressed: Stressed, finer: FinerMesh, warnings: Warnings, begin: Progress
 ) -> ShellBuckling | None:
-    """The load factors that the specification asks for; None without [buckling]."""
+    """The load factors that the specification asks for; None without [buckling].
+
+    Parameters
+    ----------
+    stressed, finer, warnings, begin : as of `shell_modes`
+
+    Raises
+    ------
+    ShellError
+        As `buckling`.
+    """
     problem, names = stressed.problem, stressed.names
     table = problem.spec.get("buckling")
     if table is None:
@@ -130,7 +160,15 @@ def case_errors(
 ) -> Array | None:
     """Relative errors (l,) of the strain energies of load cases by the mesh, None if not estimated.
 
-    `asked`: also where it is not cheap. A moment at a point has no limit for finer cells.
+    A moment at a point has no limit for finer cells.
+
+    Parameters
+    ----------
+    problem : the shell
+    cases : results of its load cases
+    finer : the shell on a mesh of half the cell size
+    asked : estimate also where it is not cheap
+    warnings : appended to
     """
     if not cases.names or not (asked or finer.cheap):
         return None

@@ -398,7 +398,14 @@ class SecondRoute:
         return Spread(*(np.concatenate(part) for part in zip(*spreads, strict=True)))
 
     def solve(self, rhs: Array, fixed: Array, given: Array) -> Array:
-        """All unknowns (k,) under a right-hand side, those that are `fixed` as `given`."""
+        """All unknowns (k,) under a right-hand side.
+
+        Parameters
+        ----------
+        rhs : (k,) nodal forces and moments
+        fixed : (k,) booleans: held unknowns
+        given : (k,) displacements of these, zero elsewhere
+        """
         T, free = self.parts.T, self._free(fixed)
         solution = np.where(self.parts.dependent, 0.0, given)
         load = T.T @ (rhs - self.K @ (T @ solution))
@@ -406,7 +413,14 @@ class SecondRoute:
         return np.asarray(T @ solution)
 
     def eigenvalues(self, count: int, fixed: Array, target: float = 0.0) -> Array:
-        """Lowest squared circular frequencies (count,) [rad2/s2], nearest to `target`."""
+        """Squared circular frequencies (count,) [rad2/s2], nearest to a target.
+
+        Parameters
+        ----------
+        count : requested
+        fixed : (k,) booleans: held unknowns
+        target : [rad2/s2]; below zero where motions have no stiffness
+        """
         free = self._free(fixed)
         K, M = self._part(self.K, free), self._part(self.M, free)
         return fenicsx.eigenpairs(K, M, count, target=target)[0]

@@ -153,7 +153,14 @@ def _second(problem: ShellProblem, elastic: Array, n_zero: int) -> Array:
 
 
 def fixed(route: SecondRoute, problem: ShellProblem, purpose: str) -> Array:
-    """Which unknowns the supports hold for "loads" or "modes", (k,) booleans."""
+    """Which unknowns the supports hold, (k,) booleans.
+
+    Parameters
+    ----------
+    route : the shell by the second method
+    problem : the shell, with its supports
+    purpose : "loads" or "modes"
+    """
     held = np.zeros(route.K.shape[0], dtype=bool)
     for name, entry in problem.spec.get("supports", {}).items():
         if entry.get("only") in (None, purpose):
@@ -165,7 +172,14 @@ def fixed(route: SecondRoute, problem: ShellProblem, purpose: str) -> Array:
 def right_side(
     route: SecondRoute, problem: ShellProblem, case: Mapping[str, Any]
 ) -> tuple[Array, Array]:
-    """Right-hand side of a load case, and the displacements that it gives to supports."""
+    """Right-hand side of a load case, and the displacements that it gives to supports.
+
+    Parameters
+    ----------
+    route : the shell by the second method
+    problem : the shell
+    case : loads by name
+    """
     rhs, given = np.zeros((2, route.K.shape[0]))
     for entry in case.values():
         at = entry.get("at")

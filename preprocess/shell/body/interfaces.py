@@ -87,8 +87,14 @@ class Places(NamedTuple):
 
 
 def places(mesh: ShellMesh, links: Sequence[Link], shown: Sequence[int] = ()) -> Places:
-    """The nodes of the package of a shell with these links; links in `shown` have their own
-    node."""
+    """The nodes of the package of a shell with these links.
+
+    Parameters
+    ----------
+    mesh : of the shell
+    links : in the order of the interfaces
+    shown : numbers of links that have a node of their own in any case
+    """
     apart = [
         link
         for number, link in enumerate(links)
@@ -104,7 +110,15 @@ def places(mesh: ShellMesh, links: Sequence[Link], shown: Sequence[int] = ()) ->
 
 
 def node_shapes(mesh: ShellMesh, links: Sequence[Link], places: Places, u: Array) -> Array:
-    """Motion of the package's nodes, (m, n, 6), from that of all degrees of freedom (n_dof, m)."""
+    """Motion of the package's nodes, (m, n, 6).
+
+    Parameters
+    ----------
+    mesh : of the shell
+    links : in the order of the interfaces
+    places : nodes of the package
+    u : (n_dof, m) motion of all degrees of freedom
+    """
     rows = u.reshape(len(u) // 6, 6, u.shape[1])
     number = {link.name: mesh.n_node + i for i, link in enumerate(links)}
     order = [*range(mesh.n_node), *(number[name] for name in places.own)]

@@ -60,7 +60,13 @@ def second_order_fields(
 def second_order_columns(
     problem: ShellProblem, condition: Condition, u: Array, near: Near | None = None
 ) -> Array:
-    """The part of `second_order_fields` that is solved for, (n_free, pairs)."""
+    """The part of `second_order_fields` that is solved for, (n_free, pairs).
+
+    Parameters
+    ----------
+    problem : the shell
+    condition, u, near : as of `second_order_fields`
+    """
     moved = _turned_interfaces(problem.freedom, u)
     loads = -problem.freedom.gathered(pair_forces(problem, u) + problem.K @ moved)
     zero = np.zeros_like(loads)

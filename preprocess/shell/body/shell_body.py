@@ -196,9 +196,16 @@ def shell_package(
 ) -> ModalPackage:
     """Collect mesh, modes, inertia and laminates of a shell in a modal package.
 
-    With `exact`, resultants of cells are not rounded. `near` is for `second_order_fields`.
     The nodal masses are always lumped. The invariants use the mass form
     of the specification, which is also that of the eigenproblem.
+
+    Parameters
+    ----------
+    model : the shell
+    modes : of its condition
+    provenance : where the package comes from
+    exact : resultants of cells are not rounded, as derivatives of packages need
+    near : for `second_order_fields`
     """
     problem, spec = model.problem, model.spec
     mesh, links = problem.mesh, problem.links

@@ -53,7 +53,14 @@ def mass_stations(
 def nodal_mass(
     mesh: ShellMesh, regions: Sequence[Region], stiffeners: Sequence[Stiffener]
 ) -> tuple[Array, Array]:
-    """Lumped mass of each node, (n,) [kg], and inertia about the node, (n, 3, 3) [kg m2]."""
+    """Lumped mass of each node, (n,) [kg], and inertia about the node, (n, 3, 3) [kg m2].
+
+    Parameters
+    ----------
+    mesh : of the shell, n nodes
+    regions : with their laminates
+    stiffeners : on curves of the mesh
+    """
     mass, rotary = np.zeros(mesh.n_node), np.zeros(mesh.n_node)
     for region in regions:
         m0, _, m2 = region.stiffness.mass

@@ -225,7 +225,19 @@ def pressure_work(t: Cell) -> Work:
 
 
 def stiffness_kernel(k: int, choice: Choice, drilling: bool = True) -> Kernel:
-    """Stiffness of cells with k corners, with or without the drilling stiffness of triangles."""
+    """Stiffness of cells.
+
+    Parameters
+    ----------
+    k : 3 or 4 corners
+    choice : the elements
+    drilling : with the drilling stiffness of triangles
+
+    Raises
+    ------
+    ShellError
+        A choice that does not exist.
+    """
     choice.checked()
     if k == 4:
         names = [("quadrilateral", choice.quadrilateral)]

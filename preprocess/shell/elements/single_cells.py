@@ -47,7 +47,14 @@ def write(table: Array, **entries: Any) -> None:
 
 
 def cell_matrices(t: CellGeometry, kernel: fenicsx.Kernel, table: Array) -> Array:
-    """Matrices of cells in G, (c, 6 k, 6 k), with data (c, columns) of `cell_table`."""
+    """Matrices of cells in G, (c, 6 k, 6 k).
+
+    Parameters
+    ----------
+    t : c cells with k corners
+    kernel : of such cells
+    table : (c, columns) of `cell_table`
+    """
     corners, order = _as_dolfinx(t)
     return fenicsx.matrices(kernel, table, corners)[:, order[:, None], order]
 
@@ -55,8 +62,15 @@ def cell_matrices(t: CellGeometry, kernel: fenicsx.Kernel, table: Array) -> Arra
 def cell_rows(
     t: CellGeometry, kernel: fenicsx.Kernel, table: Array
 ) -> list[tuple[Array, Array, Array]]:
-    """Stresses (c, p, 6 k), strains (c, p, 6 k) of the pairs and mean strains (c, n, 6 k) of each
-    list of a kernel, per unit of the unknowns in G."""
+    """Stresses and strains (c, p, 6 k) of pairs, and mean strains (c, n, 6 k), of each list of a
+    kernel, per unit of the unknowns in G.
+
+    Parameters
+    ----------
+    t : c cells with k corners
+    kernel : of such cells
+    table : (c, columns) of `cell_table`
+    """
     rows_of_cells, (corners, order) = [], _as_dolfinx(t)
     for number, given in enumerate(kernel.lists):
         rows, p = fenicsx.rows(kernel, number, table, corners)[:, :, order], given.pairs
@@ -78,7 +92,14 @@ AT_A_TIME = 512  # cells whose rows are in memory together
 def mean_strain_rows(
     t: CellGeometry, laminate: LaminateStiffness, choice: Choice
 ) -> Iterator[tuple[slice, Array]]:
-    """Some cells at a time, with their mean strains per unit of the unknowns in G, (s, 8, 6 k)."""
+    """Some cells at a time, with their mean strains per unit of the unknowns in G, (s, 8, 6 k).
+
+    Parameters
+    ----------
+    t : c triangles or quadrilaterals
+    laminate : A, B, D, Ds in E, one for all or one for each cell
+    choice : the elements
+    """
     kernel = stiffness_kernel(t.xy_E.shape[1], choice, drilling=False)
     table = cell_table(t, laminate, choice)
     for first in range(0, len(t), AT_A_TIME):
@@ -115,9 +136,13 @@ def element_resultants(
 ) -> Array:
     """Mean resultants of each element in E, (c, 8, m): N [N/m] 3, M [N] 3, T [N/m] 2.
 
-    Order N_xx N_yy N_xy, M_xx M_yy M_xy, T_x T_y. Arguments and errors as in `element_strains`.
+    Order N_xx N_yy N_xy, M_xx M_yy M_xy, T_x T_y.
 
     Paper: Eq. (28).
+
+    Parameters
+    ----------
+    t, laminate, choice, u_G : as of `element_strains`, which raises the same errors
     """
     A, B, D = (np.reshape(a, (-1, 3, 3)) for a in (laminate.A, laminate.B, laminate.D))
     strains = element_strains(t, laminate, choice, u_G)

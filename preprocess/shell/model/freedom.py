@@ -29,7 +29,14 @@ class FlatNodes(NamedTuple):
 def flat_nodes(
     mesh: ShellMesh, regions: Sequence[Region], stiffeners: Sequence[Stiffener] = ()
 ) -> FlatNodes:
-    """Nodes with all cells in one plane to within one degree, without a stiffener."""
+    """Nodes with all cells in one plane to within one degree, without a stiffener.
+
+    Parameters
+    ----------
+    mesh : of the shell
+    regions : all of its cells, with their axes
+    stiffeners : on curves of the mesh
+    """
     table = np.zeros((mesh.n_node, 3, 3))
     for region in regions:
         n = region.geometry.A_GE[:, :, 2]

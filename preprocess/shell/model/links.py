@@ -57,10 +57,20 @@ class Link:
 def read_links(
     table: Mapping[str, Any], mesh: ShellMesh, regions: Sequence[Region], where: str
 ) -> list[Link]:
-    """The links of a specification: {name: {at, kind, point}}; `at` is a group or a list of them,
-    the default of point the centre of all.
+    """The links of a specification.
 
-    Raises ShellError for an unknown group or kind, and for a node in two rigid links.
+    Parameters
+    ----------
+    table : {name: {at, kind, point}}; `at` is a group or a list of them, the default of point
+        [m] the centre of all
+    mesh : of the shell
+    regions : with their laminates, for section links
+    where : key of the table, for messages
+
+    Raises
+    ------
+    ShellError
+        An unknown group or kind, a node in two rigid links; as `section_rows`.
     """
     links = []
     owner: dict[int, str] = {}
@@ -134,6 +144,14 @@ def section_rows(
     mesh: ShellMesh, regions: Sequence[Region], of: Group, point_G: Array, where: str
 ) -> Array:
     """Motion of the reference point from those of the nodes of the group, (6, k, 6).
+
+    Parameters
+    ----------
+    mesh : of the shell
+    regions : with their laminates
+    of : nodes of a curve in a plane
+    point_G : (3,) reference point [m]
+    where : key that names the group, for messages
 
     Raises
     ------

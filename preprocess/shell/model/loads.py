@@ -209,7 +209,15 @@ class Loads:
 
 
 def resultant(mesh: ShellMesh, freedom: Freedom, forces: Array, about_G: Array) -> Array:
-    """Force and moment about a point of nodal forces (n_dof, k), (6, k) [N, N m]."""
+    """Force and moment of nodal forces, (6, k) [N, N m].
+
+    Parameters
+    ----------
+    mesh : of the shell
+    freedom : with the links, whose points follow the nodes
+    forces : (n_dof, k) [N, N m]
+    about_G : (3,) point of the moments [m]
+    """
     ends = [link.point_G[None] for link in freedom.links]
     arms = np.concatenate([mesh.points_G, *ends]) - about_G
     rows = forces.reshape(len(arms), DOFS, forces.shape[1])

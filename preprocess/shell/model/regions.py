@@ -52,6 +52,12 @@ class Region:
 def read_regions(spec: Mapping[str, Any], mesh: ShellMesh, where: str) -> list[Region]:
     """Every region of the mesh with the laminate that the specification gives it.
 
+    Parameters
+    ----------
+    spec : description of the shell
+    mesh : of the shell
+    where : file or shell, for messages
+
     Raises
     ------
     ShellError : a region of the mesh without laminate, a region that the mesh does not have, an
@@ -146,7 +152,14 @@ class _Laminated:
 
 
 def relaid(regions: Sequence[Region], spec: Mapping[str, Any], where: str) -> list[Region]:
-    """The regions with the laminates of a specification that differs in numbers of them only."""
+    """The regions with the laminates of another specification.
+
+    Parameters
+    ----------
+    regions : of the shell
+    spec : description that differs from theirs in numbers of laminates only
+    where : file or shell, for messages
+    """
     laminated, given = _Laminated(spec, where), spec["regions"]
     laminates = {
         name: laminated.of(name if name in given else ALL) for name in {r.name for r in regions}
@@ -166,7 +179,14 @@ def cell_axes(mesh: ShellMesh, regions: Sequence[Region]) -> Array:
 
 
 def own_cells(regions: Sequence[Region], mesh: ShellMesh, team: fenicsx.Team) -> list[Region]:
-    """The cells of this process of a team: a slice of the mesh across its longest direction."""
+    """The cells of this process of a team: a slice of the mesh across its longest direction.
+
+    Parameters
+    ----------
+    regions : all cells
+    mesh : of the shell
+    team : processes that share the cells
+    """
     if team.size == 1:
         return list(regions)
     own = np.zeros(len(mesh.cells), dtype=bool)

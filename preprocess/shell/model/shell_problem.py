@@ -123,7 +123,19 @@ def elements(table: Mapping[str, Any], where: str) -> tuple[Choice, str]:
 
 
 def mode_count(table: Mapping[str, Any], where: str, default: int = 6) -> int:
-    """Number of requested modes. Raises ShellError."""
+    """Number of requested modes.
+
+    Parameters
+    ----------
+    table : of the specification, with `count`
+    where : key of the table, for messages
+    default : without this key
+
+    Raises
+    ------
+    ShellError
+        No whole number above 0.
+    """
     count = table.get("count", default)
     if isinstance(count, bool) or not isinstance(count, int) or count < 1:
         raise ShellError(f"{where}.count = {count!r}: expected a whole number above 0")

@@ -38,7 +38,15 @@ def _at(place: Array) -> str:
 def model_warnings(
     mesh: ShellMesh, regions: Sequence[Region], links: Sequence[Link], choice: Choice
 ) -> Warnings:
-    """All warnings about mesh and elements."""
+    """All warnings about mesh and elements.
+
+    Parameters
+    ----------
+    mesh : of the shell
+    regions : all cells, with their laminates
+    links : reference points with their groups
+    choice : the elements
+    """
     shared = Sides(mesh, regions)
     warnings = [*_slivers(mesh), *_unmerged(mesh, links), *_turned(mesh, shared), *_unpaired(mesh)]
     if MEMBRANES[choice.membrane].stiff_in_plane:
@@ -207,6 +215,12 @@ def _sides_too_short(
 def drilling_motions(freedom: Freedom, regions: Sequence[Region], choice: Choice) -> list[Array]:
     """Zero-energy motions (n_dof,) of the drilling stiffness of the paper: in a flat part, all
     nodes rotate about the normal by the same angle without displacement.
+
+    Parameters
+    ----------
+    freedom : degrees of freedom of the shell, and its supports
+    regions : all cells
+    choice : the elements
     """
     drilling = DRILLINGS.get(choice.drilling_form())
     if MEMBRANES[choice.membrane].rotations or drilling is None or not drilling.free_rotation:
@@ -245,8 +259,19 @@ def drilling_warning(count: int) -> Warnings:
 
 
 def check_supported(freedom: Freedom, motions: Sequence[Array], drilling: Sequence[Array]) -> None:
-    """Raise ShellError for load cases of a shell with free rigid motions; the message lists
-    them."""
+    """Refuse load cases of a shell with free motions.
+
+    Parameters
+    ----------
+    freedom : degrees of freedom of the shell
+    motions : (n_dof,) free rigid motions
+    drilling : (n_dof,) those of the drilling stiffness
+
+    Raises
+    ------
+    ShellError
+        There are such motions; the message lists them.
+    """
     if motions:
         listed = few((freedom.describe(motion) for motion in motions), "; ")
         part = " of its parts" if freedom.parts().max() > 0 else ""

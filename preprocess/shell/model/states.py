@@ -39,7 +39,14 @@ AT_A_TIME = 4096  # cells whose matrices are in memory together
 
 
 def warped_warnings(problem: ShellProblem, u: Array, names: Sequence[str]) -> Warnings:
-    """A warning if cells lock in one of the states u (n_dof, m), which `names` describe."""
+    """A warning if cells lock in one of some states.
+
+    Parameters
+    ----------
+    problem : the shell
+    u : (n_dof, m) displacements of the states
+    names : what each state is, such as "mode 1"
+    """
     kinds = tilted_work(problem, u)
     share = kinds.sum(axis=0)
     bad = np.flatnonzero(share > LOCKED)

@@ -167,7 +167,14 @@ class CellsBeside:
             self.change.append(sp.csr_matrix(entries, shape=shape) @ mean_excess[sides])
 
     def moved(self, number: int, corners: Array, u: Array) -> Array:
-        """Add the change to motions of the corners (c, 6 k, m) of a region in states (n_dof, m)."""
+        """Add the change to motions of the corners of a region; return them.
+
+        Parameters
+        ----------
+        number : of the region
+        corners : (c, 6 k, m) motions; changed in place
+        u : (n_dof, m) the states
+        """
         change = self.change[number] @ u
         corners[self.rows[number]] += change.reshape(-1, *corners.shape[1:])
         return corners
@@ -249,7 +256,14 @@ def _means(
 def read_stiffeners(
     table: Mapping[str, Any], mesh: ShellMesh, regions: Sequence[Region], where: str
 ) -> list[Stiffener]:
-    """The stiffeners of a specification: {name: {at, section or stiffness and mass, ...}}.
+    """The stiffeners of a specification.
+
+    Parameters
+    ----------
+    table : {name: {at, section or stiffness and mass, ...}}
+    mesh : of the shell
+    regions : all cells, whose normals give the axes
+    where : key of the table, for messages
 
     Raises
     ------

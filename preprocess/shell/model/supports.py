@@ -37,11 +37,19 @@ class Support(NamedTuple):
 def read_supports(
     table: Mapping[str, Any], mesh: ShellMesh, links: Sequence[Link], where: str
 ) -> list[Support]:
-    """The supports of a specification: {name: {at, fixed, only}}; `at` is a group, several of
-    one kind, or a link.
+    """The supports of a specification.
 
-    Raises ShellError for an unknown group or component, and for a support on the reference point of
-    an average link.
+    Parameters
+    ----------
+    table : {name: {at, fixed, only}}; `at` is a group, several of one kind, or a link
+    mesh : of the shell
+    links : reference points, in their order
+    where : key of the table, for messages
+
+    Raises
+    ------
+    ShellError
+        An unknown group or component; a support on the reference point of an average link.
     """
     rows = {link.name: i for i, link in enumerate(links)}
     supports = []
