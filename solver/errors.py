@@ -63,7 +63,7 @@ def few(texts: Iterable[str], separator: str = ", ", most: int = MOST_NAMED) -> 
 
     Parameters
     ----------
-    words : the words
+    texts : the words
     separator : text between them
     most : number of words that are named
     """

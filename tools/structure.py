@@ -111,7 +111,10 @@ def modules_in(graph: Graph, folder: str) -> int:
 
 
 def documented(texts: dict[str, str]) -> dict[str, bool]:
-    """Return whether each public function of three or more arguments documents its parameters."""
+    """Return whether each public function of three or more arguments documents its parameters.
+
+    It does if it has a section Parameters that names nothing but its arguments.
+    """
     found: dict[str, bool] = {}
 
     def visit(file: str, inside: ast.Module | ast.ClassDef) -> None:
@@ -124,14 +127,21 @@ def documented(texts: dict[str, str]) -> dict[str, bool]:
                 given = node.args
                 every = [*given.posonlyargs, *given.args, *given.kwonlyargs]
                 every += [one for one in (given.vararg, given.kwarg) if one is not None]
-                count = sum(one.arg not in ("self", "cls") for one in every)
-                if count >= 3:
-                    text = ast.get_docstring(node) or ""
-                    found[f"{file}:{node.name}:{node.lineno}"] = "Parameters\n---" in text
+                names = {one.arg for one in every} - {"self", "cls"}
+                if len(names) >= 3:
+                    known = _described(ast.get_docstring(node) or "")
+                    found[f"{file}:{node.name}:{node.lineno}"] = bool(known) and known <= names
 
     for name, text in texts.items():
         visit(name, ast.parse(text))
     return found
+
+
+def _described(text: str) -> set[str]:
+    """Names in the section Parameters of a docstring."""
+    lines = text.partition("Parameters\n----------\n")[2].partition("\n\n")[0].splitlines()
+    heads = [line.partition(" :")[0] for line in lines if not line.startswith(" ")]
+    return {name.strip(" *") for head in heads for name in head.split(",")}
 
 
 def thresholds(texts: dict[str, str]) -> tuple[set[str], list[str]]:

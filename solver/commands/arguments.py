@@ -258,7 +258,7 @@ def expecting(
     ----------
     read : function that reads the text
     right : whether a value is allowed
-    words : what is expected, for the message
+    expectation : what is expected, for the message
     """
 
     def value(text: str) -> T:

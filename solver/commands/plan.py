@@ -97,7 +97,7 @@ def draw_ladder(path: Path, chart: Ladder, title: str) -> Path:
     Parameters
     ----------
     path : file of the picture
-    found : models with their errors and CPU times
+    chart : models with their errors and CPU times
     title : title of the picture
     """
     path.parent.mkdir(parents=True, exist_ok=True)

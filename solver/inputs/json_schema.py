@@ -65,13 +65,13 @@ def json_schema(kind: str) -> Json:
 
 
 def reached(schema: Any, known: Json, collected: Json) -> Json:
-    """Add the tables to which a schema refers, and those to which they refer, to `found`.
+    """Add the tables to which a schema refers, and those to which they refer, to `collected`.
 
     Parameters
     ----------
     schema : a schema, or a part of one
     known : schemas of all tables by name
-    found : schemas that are reached, added to
+    collected : schemas that are reached, added to
     """
     name = referred(schema) if isinstance(schema, dict) else ""
     if name and name not in collected:

@@ -43,7 +43,9 @@ def listed(things: Iterable[Thing], names: Iterable[str], what: str) -> dict[str
     names : the list, in its order
     what : the word for such things in messages
 
-    Raises ValueError : things and list differ.
+    Raises
+    ------
+    ValueError : things and list differ.
     """
     by_names = by_name(((vars(thing)["name"], thing) for thing in things), what)
     names = list(names)

@@ -153,7 +153,9 @@ def table(times: Numbers, values: Numbers, interpolation: Pieces = "spline") -> 
     values : values at these times (k,)
     interpolation : "linear", "pchip" (monotone) or "spline"
 
-    Raises ValueError : fewer than two points, times not in ascending order, non-finite numbers.
+    Raises
+    ------
+    ValueError : fewer than two points, times not in ascending order, non-finite numbers.
     """
     t, f = checked_points(times, values)
     pieces = np.zeros((t.size, N_COEFFICIENT))
@@ -302,7 +304,9 @@ def curve(x: Numbers, y: Numbers, *, smooth: bool = True) -> Law:
     y : values there (k,)
     smooth : spline in place of straight lines
 
-    Raises ValueError : fewer than two points, x not in ascending order, non-finite numbers.
+    Raises
+    ------
+    ValueError : fewer than two points, x not in ascending order, non-finite numbers.
     """
     return _through(x, y, "natural" if smooth and len(x) > 2 else "linear", "linear")
 
@@ -321,7 +325,9 @@ def curve_of_table(
     interpolation : course between the points
     beyond : straight on at both ends, or the value of the end
 
-    Raises ValueError : fewer than two points, x not in ascending order, non-finite numbers.
+    Raises
+    ------
+    ValueError : fewer than two points, x not in ascending order, non-finite numbers.
     """
     return _through(x, y, interpolation, beyond)
 

@@ -25,14 +25,14 @@ SEPARATED = np.radians([30.0, 50.0])  # from lift with a lag to lift without one
 def rotor_table(
     keys: "RotorKeys", wind_laws: tuple[Law, Law], places: Places, measured: Measured
 ) -> RotorTable:
-    """Return the rotor of a case; `found` gets its states.
+    """Return the rotor of a case.
 
     Parameters
     ----------
     keys : table [rotor] of the case
     wind_laws : laws of wind speed [m/s] and of the turn of its direction [rad]
     places : places of the mechanism, with their markers
-    found : quantities and states of the model; gets the states of the rotor
+    measured : quantities and states of the model; gets the states of the rotor
 
     Raises
     ------

@@ -23,7 +23,7 @@ def solid_text(solid: Mapping[str, Any]) -> str:
 
     Parameters
     ----------
-    found : as preprocess/solid/solid_analysis.py makes it, with name, seconds and warnings
+    solid : as preprocess/solid/solid_analysis.py makes it, with name, seconds and warnings
     """
     lines = [
         solid["name"],

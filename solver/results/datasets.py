@@ -289,14 +289,14 @@ def read_texts(dataset: h5py.Dataset) -> list[str]:
 
 
 def put_array(group: h5py.Group, name: str, values: Any, texts: tuple[str, ...]) -> None:
-    """Write an array with its unit, frame and description, as far as there are words.
+    """Write an array with its unit, frame and description, as far as they are known.
 
     Parameters
     ----------
     group : group of the file
     name : name of the dataset
     values : its values
-    words : unit, frame and description, as far as they are known
+    texts : unit, frame and description
     """
     array = np.asarray(values)
     squeeze = {"compression": "gzip", "shuffle": True} if array.nbytes > RECORD_BYTES else {}

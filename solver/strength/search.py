@@ -146,7 +146,14 @@ class PeakSearch:
             look(group, left, least)
 
     def exposures(self, F: Array, points: IntArray, columns: IntArray) -> Array:
-        """Evaluate the criterion at pairs of point and column of F, (k,)."""
+        """Evaluate the criterion at pairs of point and column, (k,) [-].
+
+        Parameters
+        ----------
+        F : (r, n) resultants
+        points : (k,) rows of the points of the search
+        columns : (k,) columns of F
+        """
         stress = np.einsum("kij,jk->ki", self.stress_M[points], F[:, columns])
         return self.criterion.assess(stress, self.strength).exposure
 

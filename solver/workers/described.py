@@ -116,7 +116,9 @@ def made_file(entry: Entry, command: str, spec_of: SpecOf, folder: Path, *, forc
     folder : folder of the results
     force : make what is up to date
 
-    Raises InputError: the description is wrong, there is no FEniCSx, or the analysis fails.
+    Raises
+    ------
+    InputError : the description is wrong, there is no FEniCSx, or the analysis fails.
     """
     keep_preprocessors()
     (made,) = made_files([entry], command, ["--force"] if force else [], spec_of, folder)
@@ -144,7 +146,9 @@ def made_files(
     jobs : preprocessors of this machine at a time
     ranks : as of `make_files`
 
-    Raises InputError: there is no FEniCSx, or the preprocessor does not start.
+    Raises
+    ------
+    InputError : there is no FEniCSx, or the preprocessor does not start.
     """
     requests, made = write_specs(entries, folder, spec_of)
     workers = partial(Local, jobs, threads=True)

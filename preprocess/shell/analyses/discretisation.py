@@ -235,7 +235,7 @@ def load_factor_errors(
     Parameters
     ----------
     table : of `buckling`, see buckling.py
-    found : load factors and shapes of each case on the coarse mesh
+    by_case : load factors and shapes of each case on the coarse mesh
     """
     if finer.unknowns > MOST:
         return None

@@ -256,7 +256,9 @@ def joint_coordinate(mechanism: "Mechanism", name: str, coordinate: str | None) 
     name : name of the joint
     coordinate : name of the coordinate; None: the only one
 
-    Raises ValueError : no such joint or coordinate, or several to choose from.
+    Raises
+    ------
+    ValueError : no such joint or coordinate, or several to choose from.
     """
     if name not in mechanism.joints:
         raise ValueError(f"there is no joint {name}{nearest(name, mechanism.joints)}")

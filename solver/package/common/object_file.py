@@ -250,7 +250,7 @@ def keep(key: str | None, kind: str, item: Any) -> None:
     ----------
     key : digest of the file; None: it is not kept
     kind : name of its format
-    found : the object
+    item : the object
     """
     if key is None:
         return

@@ -324,11 +324,11 @@ def span_of(text: str) -> tuple[float, float]:
 def response_of(
     result: Found, span: tuple[float, float], inputs: list[str] | None, outputs: list[str] | None
 ) -> Response:
-    """Return the transfer functions between named inputs and outputs; None: all of them.
+    """Return the transfer functions between named inputs and outputs.
 
     Parameters
     ----------
-    found : modes about a state
+    result : modes about a state
     span : lowest and highest frequency [Hz]
     inputs : names of inputs; None: all
     outputs : names of outputs; None: all

@@ -328,7 +328,9 @@ def with_columns(data: Any, info: ValidationInfo, keys: tuple[str, str]) -> Any:
     info : context of the validation: folder of the file
     keys : names of both columns
 
-    Raises ValueError : keys given beside the file, or as `read_columns`.
+    Raises
+    ------
+    ValueError : keys given beside the file, or as `read_columns`.
     """
     if not isinstance(data, dict) or not isinstance(data.get("file"), str):
         return data
