@@ -19,6 +19,7 @@ from ..dynamics.model.model import Model, Workspace, new_workspace
 from ..integrators.generic.base import Dense, Integrator
 from ..math.arrays import Array, IntArray
 from ..math.compiled import inlined, lean, structure
+from .tolerances import AHEAD, LEAST_PART, MINIMUM_FOUND, NAMED, NEARLY_SINGULAR, ONE_MINIMUM
 
 LOW, HIGH = 0, 1  # entries of `limits`
 
@@ -102,9 +103,6 @@ def _observe(model: Model, seen: Observation, t: float, y: Array, energy: Array)
     return certificate(model, seen.work, seen.rows, t, y)
 
 
-NEAR = 0.05  # smallest singular value, over the largest that it had in the run
-SMALL_CHANGE = 0.5  # of the scaled Jacobian: one valley at most
-FINE = 1e-5  # of a step: accuracy of the time of a minimum
 GOLDEN = 0.5 * (5.0**0.5 - 1.0)
 
 
@@ -177,28 +175,29 @@ class ConstraintRank:
         if a.sigma + b.sigma > change:
             return None
         dense = integrator.dense_output()
-        if change > SMALL_CHANGE and b.t - a.t > 0.02 * integrator.h:
+        if change > ONE_MINIMUM and b.t - a.t > LEAST_PART * integrator.h:
             middle = self._at(0.5 * (a.t + b.t), dense)
             return self.valley(a, middle, integrator) or self.valley(middle, b, integrator)
-        ahead = 1e-6 * (b.t - a.t)
+        ahead = AHEAD * (b.t - a.t)
         fall = (a.sigma - self._at(a.t + ahead, dense).sigma) / ahead
         rise = (b.sigma - self._at(b.t - ahead, dense).sigma) / ahead
         if fall <= 0.0 or rise <= 0.0:
             return None
         # where the tangents at both ends meet
         bottom = (rise * a.sigma + fall * b.sigma - fall * rise * (b.t - a.t)) / (fall + rise)
-        return (a.t, b.t) if bottom < NEAR * self.typical else None
+        return (a.t, b.t) if bottom < NEARLY_SINGULAR * self.typical else None
 
     def smallest(self, t: float, y: Array) -> tuple[float, list[str]]:
         """Smallest singular value that counts, and the joints whose rows make it."""
         U, s, _ = np.linalg.svd(self.scaled_jacobian(t, y), full_matrices=False)
-        small = np.flatnonzero(s[: self.count] < max(NEAR * self.typical, s[self.count - 1]))
+        least = max(NEARLY_SINGULAR * self.typical, s[self.count - 1])
+        small = np.flatnonzero(s[: self.count] < least)
         share = np.abs(U[:, [*small, self.count - 1]]).max(axis=1)
         row = self.model.joint_row
         names = [
             name
             for k, name in enumerate(self._joint_names)
-            if share[row[k] : row[k + 1]].max() > 0.1 * share.max()
+            if share[row[k] : row[k + 1]].max() > NAMED * share.max()
         ]
         return float(s[self.count - 1]), names
 
@@ -215,7 +214,7 @@ class ConstraintRank:
         """
         inner = [b - GOLDEN * (b - a), a + GOLDEN * (b - a)]
         sigma = [self._at(t, dense).sigma for t in inner]
-        shortest = FINE * (b - a)
+        shortest = MINIMUM_FOUND * (b - a)
         while b - a > shortest:
             if sigma[0] < sigma[1]:
                 b = inner[1]

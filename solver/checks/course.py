@@ -29,6 +29,7 @@ from ..results.codes import (
     Finding,
 )
 from .finished import FinishedRun
+from .tolerances import GROWTH_OF_A_TENTH
 
 _ENDS = {"failed": RUN_FAILED, "interrupted": RUN_INTERRUPTED}
 
@@ -49,9 +50,7 @@ def completion_findings(run: FinishedRun) -> Iterator[Finding]:
             yield finding
 
 
-# No power of time that loads or drives follow grows so fast: in the last tenth t^n grows by
-# (10/9)^n, which is 3 for n = 10; the kinetic energy of a smooth step begins with t^6 at most.
-PARTS, LAST, FACTOR = 10, 5, 3.0
+PARTS, LAST = 10, 5
 DRIVEN = 10_001  # output times at which drives are looked at
 # Kinds whose force the user writes as an expression or as code: a feedback may be among them.
 ACTIVE = {
@@ -65,7 +64,7 @@ ACTIVE = {
 def growth_findings(run: FinishedRun) -> Iterator[Finding]:
     """Yield a finding if the kinetic energy has grown exponentially beyond its scale."""
     peaks = _peaks(run)
-    if peaks is None or not np.all(peaks[-LAST:] > FACTOR * peaks[-LAST - 1 : -1]):
+    if peaks is None or not np.all(peaks[-LAST:] > GROWTH_OF_A_TENTH * peaks[-LAST - 1 : -1]):
         return
     t, y0 = run.solution.t, run.solution.y[0]
     size = scales(run.model, y0, run.mechanism.solver.t_end)

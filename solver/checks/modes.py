@@ -15,6 +15,7 @@ from ..package import ModalPackage
 from ..results.codes import CUT_EARLY, ROTATION, Finding
 from .finished import FinishedRun
 from .statics import missing_findings
+from .tolerances import OF_ONE_BODY, WITHOUT_STRAIN
 
 # Whether the vibration modes of each body are enough, family by family.
 
@@ -122,10 +123,6 @@ def _without_static_shapes(
 # Whether modal damping means in the mechanism what it means for the body by itself.
 
 MOST = 400  # velocity coordinates: the eigenproblem of more would be felt
-# Share of the strain energy of a vibration that makes it one of a body: two like members of an arm
-# have half each, so that a larger share would pass over their bending.
-OWN = 0.25
-RIGID = 1e-10  # eigenvalue of motions without strain, over the largest
 
 
 def loaded_damping(run: FinishedRun) -> list[dict[str, object]]:
@@ -149,7 +146,7 @@ def loaded_damping(run: FinishedRun) -> list[dict[str, object]]:
         _, values, shapes = vibrations(run.model, Z, equations.M)
     except np.linalg.LinAlgError:  # a free motion moves no mass
         return []
-    elastic = values > RIGID * values[-1]
+    elastic = values > WITHOUT_STRAIN * values[-1]
     omega, shapes = np.sqrt(values[elastic]), shapes[:, elastic]
     entries = []
     for i in damped:
@@ -157,7 +154,7 @@ def loaded_damping(run: FinishedRun) -> list[dict[str, object]]:
         j = int(run.model.vel_start[i]) + 6
         q = shapes[j : j + package.n_mode]
         share = np.einsum("ak,ak->k", q, package.stiffness @ q) / omega**2
-        of_body = np.flatnonzero(share > OWN)
+        of_body = np.flatnonzero(share > OF_ONE_BODY)
         if not of_body.size:
             continue
         k = int(of_body[0])  # the lowest

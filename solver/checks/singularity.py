@@ -12,16 +12,26 @@ from functools import partial
 
 import numpy as np
 
-from ..dynamics.analysis.rank import CERTAIN, begin
+from ..dynamics.analysis.rank import begin
 from ..dynamics.elements.constraints.treatment import PASSES_SINGULAR
 from ..dynamics.evaluation.elimination import is_tree
 from ..dynamics.model.model import Model
+from ..dynamics.tolerances import CERTAIN
 from ..errors import few
 from ..integrators.generic.drive import MOST_NOTED, Steps, StopRequest
 from ..math.arrays import Array
 from ..results.codes import BRANCH, ENERGY_JUMP, SINGULAR, SINGULAR_PASSED, Finding
 from ..results.run_result import ROUNDING
-from .constraint_rank import NEAR, ConstraintRank, Rank, new_observation, note, observe
+from .constraint_rank import ConstraintRank, Rank, new_observation, note, observe
+from .tolerances import (
+    AT_SINGULAR,
+    EXPLAINED,
+    HIGHER_PIVOT,
+    LOWER_PIVOT,
+    NEARLY_SINGULAR,
+    UNDAMPED,
+    UNTURNED,
+)
 
 
 @dataclass(eq=False, repr=False)
@@ -77,12 +87,6 @@ class EnergyMonitor:
             f"{share:.2g} of the energy in play (expected below {ENERGY_JUMP.limit:g}): {cause}"
         )
         return [ENERGY_JUMP.finding(text, t=self.t_jump, value=share)]
-
-
-AT = 1e-3  # smallest singular value, over the largest that it had in the run
-TURN = 0.2  # change of velocity within the neighbourhood of a singular position, relative
-LOSS = 1e-3  # of the energy in play, there
-LOOK, RISE = 0.25, 4.0  # of the pivot where sigma was found last: found again beyond
 
 
 @dataclass(eq=False, repr=False)
@@ -182,7 +186,7 @@ class SingularityMonitor:
         if pivot <= CERTAIN:
             interval = self._rank.valley(before, self._known, steps.at(i))
         sigma = self._known.sigma
-        near = sigma < NEAR * self._rank.typical
+        near = sigma < NEARLY_SINGULAR * self._rank.typical
         if not (near or interval or self._before is not None):
             change = float(np.linalg.norm(now.velocity - last.velocity))
             self._hardest = max(self._hardest, change / (now.t - last.t))
@@ -198,7 +202,10 @@ class SingularityMonitor:
         elif sigma < self._lowest:
             self._lowest, self._t_lowest = sigma, now.t
         request = None
-        if self._lowest < AT * self._rank.typical and self.treatment not in PASSES_SINGULAR:
+        if (
+            self._lowest < AT_SINGULAR * self._rank.typical
+            and self.treatment not in PASSES_SINGULAR
+        ):
             request = self._cannot_pass(steps, i)
         if not near:
             request = request or self._came_out(last, now)
@@ -215,12 +222,12 @@ class SingularityMonitor:
         """
         if pivot > self._high:
             self._largest_pivot = pivot
-            self._limit(LOOK * pivot, RISE * pivot)
+            self._limit(LOWER_PIVOT * pivot, HIGHER_PIVOT * pivot)
             return False
-        if self.model.redundant and pivot < LOOK * self._largest_pivot:
+        if self.model.redundant and pivot < LOWER_PIVOT * self._largest_pivot:
             self._keep_independent(t, y)
             return True
-        self._limit(LOOK * min(pivot, self._low), self._high)
+        self._limit(LOWER_PIVOT * min(pivot, self._low), self._high)
         return False
 
     def _keep_independent(self, t: float, y: Array) -> None:
@@ -231,7 +238,7 @@ class SingularityMonitor:
             rows.kept[self._rank.independent(t, y)] = 1
         pivot = begin(self.model, self._observation.work, rows, float(t), y)
         self._largest_pivot = pivot
-        self._limit(LOOK * pivot, RISE * max(pivot, CERTAIN))
+        self._limit(LOWER_PIVOT * pivot, HIGHER_PIVOT * max(pivot, CERTAIN))
 
     def _limit(self, low: float, high: float) -> None:
         """Set the pivots beyond which sigma is computed."""
@@ -269,7 +276,7 @@ class SingularityMonitor:
         if self._known is None:
             return ""
         sigma, names = self._rank.smallest(t, y)
-        if sigma > NEAR * self._rank.typical:
+        if sigma > NEARLY_SINGULAR * self._rank.typical:
             return ""
         return f"{self._where(t, names)}. {self._advice()}"
 
@@ -323,13 +330,13 @@ class SingularityMonitor:
         """Judge a passage that is complete: energy kept, velocity continued."""
         before = self._before
         assert before is not None
-        if self._lowest >= AT * self._rank.typical:
+        if self._lowest >= AT_SINGULAR * self._rank.typical:
             return None
         if self.treatment in PASSES_SINGULAR:
             self.passes.append(self._t_lowest)
         loss = abs(now.balance - before.balance) / max(self.energy.in_play, 1e-300)
         turn = self._turn(last)
-        if loss < LOSS and turn < TURN:
+        if loss < UNDAMPED and turn < UNTURNED:
             return None
         text = (
             f"the run left the singular position at t = {self._t_lowest:.6g} s on another "
@@ -365,6 +372,6 @@ class SingularityMonitor:
         if first is None:
             return 0.0
         change = float(np.linalg.norm(last.velocity - first.velocity))
-        if change <= 10.0 * self._hardest * (last.t - first.t):
+        if change <= EXPLAINED * self._hardest * (last.t - first.t):
             return 0.0
         return change / max(float(np.linalg.norm(first.velocity)), 1e-300)

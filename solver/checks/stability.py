@@ -26,12 +26,14 @@ from ..integrators.generic.drive import Steps, StopRequest
 from ..math.arrays import Array, IntArray
 from ..math.rotations import rotation_matrices, skew
 from ..results.codes import BUCKLING, BUCKLING_LOAD, MATTERS, SPIN, Finding
-
-# Growth over the spin that a run passes by: that of a shaft whose two stiffnesses
-# differ by 4 %, by (w_2 - w_1) / 2 between its critical speeds; meshed round shafts differ by less.
-GROWS = 0.01
-_ALIKE = 1e-6  # directions of motion that are one, relative, and strain that is none
-SAME = 1e-3  # difference of spins, relative, that is judged once
+from .tolerances import (
+    DIFFERENCE_STEP,
+    LOSS_FOUND,
+    ONE_DIRECTION,
+    SAME_SPIN,
+    SAME_TIME,
+    SLOW_GROWTH,
+)
 
 
 class _Inertia(NamedTuple):
@@ -152,7 +154,7 @@ class SpinMonitor:
         In a frame that turns at w, M q" + G q' + whole q = 0 with G_ij = 2 sum m phi_i.(w x phi_j)
         in these directions. A round shaft is stable above its critical speed, a blade, whose
         second direction is stiff, is not. A shaft of two stiffnesses grows between its two critical
-        speeds, at no more than half their difference. Growth by GROWS of the spin is passed by.
+        speeds, at no more than half their difference. SLOW_GROWTH is passed by.
 
         Where loads neither stiffen nor soften these directions, the loss is the motion's own: no
         term of second order is missing.
@@ -183,10 +185,10 @@ class SpinMonitor:
         # These directions, and those in which gyroscopic forces of their motion push.
         spin = float(np.linalg.norm(w))
         U, s, _ = np.linalg.svd(np.hstack([V, G @ V / (spin or 1.0)]), full_matrices=False)
-        B = U[:, s > _ALIKE * s[0]]
+        B = U[:, s > ONE_DIRECTION * s[0]]
         n = B.shape[1]
         A = np.block([[np.zeros((n, n)), np.eye(n)], [-B.T @ whole @ B, -B.T @ G @ B]])
-        return float(np.linalg.eigvals(A).real.max()) <= GROWS * spin
+        return float(np.linalg.eigvals(A).real.max()) <= SLOW_GROWTH * spin
 
     def critical_spin(self, body: int, direction: Array) -> float:
         """Spin about `direction` (3,) at which the margin vanishes [rad/s]; inf if never."""
@@ -241,7 +243,7 @@ class SpinMonitor:
             def margin(t: float, i: int = i, dense: Dense = dense) -> float:
                 return self.margin(i, dense(t), t)
 
-            t = _crossing(margin, begin, end, 1e-9 * max(1.0, abs(end)))
+            t = _crossing(margin, begin, end, LOSS_FOUND * max(1.0, abs(end)))
             doubt = self._found(i, t, dense(t))
             if self.stop and (request is None or t < request.t_stop):
                 request = StopRequest(t, doubt.text, doubt.code)
@@ -259,7 +261,7 @@ class SpinMonitor:
         for k in np.flatnonzero(np.linalg.eigvalsh(K - lost)[:, 0] <= 0.0):
             # One look for all states of nearly the same spin; `whole`: its size by powers of two.
             whole = float(np.exp2(np.floor(np.log2(np.abs(w[k]).max()))))
-            key = body, whole, np.round(w[k] / (SAME * whole)).tobytes()
+            key = body, whole, np.round(w[k] / (SAME_SPIN * whole)).tobytes()
             if key not in self._held:
                 self._held[key] = self.holds(body, w[k], K - lost[k])
             end = doubtful[k] + 1
@@ -349,9 +351,6 @@ def geometric_stiffness(
     return np.asarray(0.5 * (Kg + Kg.transpose(0, 2, 1)))
 
 
-STEP = 1e-5  # of the size of the mechanism, or rad: differences on both sides
-
-
 def joints_hold(model: Model, t: float, y: Array) -> bool:
     """Return whether all elastic motions that the joints leave free have stiffness in state y (n,).
 
@@ -373,7 +372,7 @@ def joints_hold(model: Model, t: float, y: Array) -> bool:
     elastic = starts + np.concatenate([np.arange(m) for m in model.n_mode])
     weighted = free.Z[elastic] * np.sqrt(model.inertia_scale[elastic])[:, None]
     _, s, Vt = np.linalg.svd(weighted)
-    count = int(np.count_nonzero(s > _ALIKE))
+    count = int(np.count_nonzero(s > ONE_DIRECTION))
     rigid, bent = free.Z @ Vt[count:].T, free.Z @ Vt[:count].T
     MR = equations.M @ rigid
     bent = bent - rigid @ np.linalg.solve(rigid.T @ MR, MR.T @ bent)
@@ -381,7 +380,7 @@ def joints_hold(model: Model, t: float, y: Array) -> bool:
     directions = np.zeros((1, count, 2 * n + model.n_aux))
     directions[0, :, :n] = bent.T
     sizes = sizes_of_motion(model, extent(model, y))
-    step = STEP / np.abs(bent / sizes[:, None]).max(axis=0)[None]
+    step = DIFFERENCE_STEP / np.abs(bent / sizes[:, None]).max(axis=0)[None]
     a = rates[:, model.n_pos : model.n_pos + n]
     at = (model, np.array([t]), y[None], a, multipliers, directions)
     change = along_directions(*at, step) + along_directions(*at, -step)
@@ -535,7 +534,7 @@ class BucklingMonitor:
                     when = np.array([t])
                     return float(self.margin(i, when, dense(when))[0])
 
-                near = 1e-6 * self.t_end
+                near = SAME_TIME * self.t_end
                 self._since[i] = _crossing(margin, begin, float(steps.t[first]), near)
             until = self._since[i] + self._lasts[i]
             last = min(int(np.searchsorted(steps.t, until)), len(steps))

@@ -29,13 +29,9 @@ from ..package import ModalPackage
 from ..package.body.invariants import body_size
 from ..results.codes import FEW_MODES, Finding
 from .finished import FinishedRun
+from .tolerances import LOAD_ROUNDING, OVERSHOOT, SLIGHT, SMALL_LOAD, STRAIGHT
 
 WINDOWS, WIDTH = 6, 9  # how many are looked at, and outputs in each
-OVERSHOOT = 1.5  # mean strain energy of a vibration that a sudden load starts, of the static one
-# Of the deformation that loads of this size cause where the body is softest: less is left out on
-# purpose, as the stretch of a body of length L and height h, (h / 2 L)^2 of its deflection.
-SLIGHT = 1e-3
-SMALL_LOAD = 1e-4  # energy of a load alone, of the largest: it gets no shape of its own
 AXES = ("x", "y", "z", "rx", "ry", "rz")
 MORE = {"x": "axial", "y": "bending-xy", "z": "bending-xz"}  # of a beam, by its main motion
 INERTIA = 12  # loads A [x; 1] dm, by rows of A (3, 4)
@@ -138,7 +134,7 @@ class _Missing(NamedTuple):
                 float(row @ self.p) / mass for row in (self.C[k], self.C[k] - self.G[k])
             )
             load, unit = f"weight and inertia move the body along {axis}, in the mean,", "m"
-        floor = 1e-6 * max(abs(whole), abs(carried))
+        floor = LOAD_ROUNDING * max(abs(whole), abs(carried))
         whole, carried = (v if abs(v) > floor else 0.0 for v in (whole, carried))
         return (
             f"{name}: the modes miss about {self.share:.0%} of the static deformation (strain "
@@ -187,7 +183,7 @@ def _missing(
     # A straight beam without modes along x is not judged for loads along x: a slender beam
     # hardly stretches, so that its users leave these modes out.
     lateral = package.nodes_B[:, 1:]
-    straight = package.sections and np.ptp(lateral, axis=0).max() <= 1e-9 * body_size(package)
+    straight = package.sections and np.ptp(lateral, axis=0).max() <= STRAIGHT * body_size(package)
     axial = ("axial" in label or label.endswith(" x") for label in package.mode_labels)
     if straight and not any(axial):
         p[:, [*range(0, n, 6), *range(n, n + 4)]] = 0.0

@@ -27,8 +27,8 @@ from ..results.codes import (
 )
 from .finished import FinishedRun
 from .stability import Loading, SpinMonitor, buckling_text, geometric_stiffness, joints_hold
+from .tolerances import FREE_MODE, WHIRLS
 
-WHIRLS = 0.25  # of the stiffness in the frame: a spin at half a frequency takes it
 MOST_FREE = 41  # states of which the mass of free motions is computed, a dense problem
 
 
@@ -146,7 +146,7 @@ def _of_linear(
     """Yield the largest geometric stiffness of a linear body, if it is not small."""
     model, name = run.model, run.built.body_names[i]
     values, vectors = np.linalg.eigh(modal_matrix(model, model.K_qq, i))
-    if values[0] <= 1e-12 * values[-1]:
+    if values[0] <= FREE_MODE * values[-1]:
         return
     scale = vectors / np.sqrt(values)
 

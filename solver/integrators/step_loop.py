@@ -15,7 +15,6 @@ from ..dynamics.elements.constraints.treatment import Treatment
 from ..dynamics.evaluation.accelerations import by_blocks, dense_derivative_into, derivative_into
 from ..dynamics.evaluation.elimination import is_tree
 from ..dynamics.evaluation.evaluation import (
-    NOTHING,
     Called,
     Instants,
     beyond,
@@ -24,6 +23,7 @@ from ..dynamics.evaluation.evaluation import (
     sampled,
 )
 from ..dynamics.model.model import Model, spare_workspace, state_size
+from ..dynamics.tolerances import ONE_INSTANT
 from ..math.arrays import Array
 from ..math.compiled import COMPILED
 from .compiled import step_control as codes
@@ -327,7 +327,7 @@ class StepLoop(StrideMemory):
             if event >= 0 and len(t) > 1:
                 gap, rate = beyond(self._model, self.t, self.y)[event]
                 late = gap / rate if rate > 0.0 else 0.0
-                if abs(late) < NOTHING * max(1.0, abs(self.t)) or self.t < clock[codes.END]:
+                if abs(late) < ONE_INSTANT * max(1.0, abs(self.t)) or self.t < clock[codes.END]:
                     break
                 # residual error of Newton's iteration: it differs from pass to pass
                 noise = abs(late) < SETTLED * self.h and abs(late) > 0.5 * last
@@ -340,7 +340,7 @@ class StepLoop(StrideMemory):
                     self._armed = armed
                     return reached
             self._go_back(begun)
-            if at - self.t < NOTHING * max(1.0, abs(self.t)):
+            if at - self.t < ONE_INSTANT * max(1.0, abs(self.t)):
                 clock[codes.END] = self.t
                 reached = filled
                 break

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from ..dynamics.analysis.projection import least_energy
 from ..dynamics.analysis.rank import clearly_independent
 from ..dynamics.analysis.recovery import SAMPLES, extent, sizes_of_motion
-from ..dynamics.elements.constraints.minimum_norm import RANK_TOLERANCE
 from ..dynamics.elements.constraints.treatment import row_masses, scaled_jacobian
 from ..dynamics.elements.joints.table import DRIVES, NAMES, ROWS
 from ..dynamics.elements.marker import marker_motion
@@ -23,6 +22,7 @@ from ..dynamics.evaluation.laws import law_at
 from ..dynamics.evaluation.series import balance, driven_speeds
 from ..dynamics.model.coordinates import moved
 from ..dynamics.model.model import Model, modal_matrix
+from ..dynamics.tolerances import RANK_TOLERANCE
 from ..errors import InputError, few
 from ..math.arrays import Array
 from ..results.codes import REDUNDANT, SINGULAR_START, Finding

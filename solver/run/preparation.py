@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..checks.finished import FinishedRun, Look, StepSizes
-from ..checks.monitors import Monitors
+from ..checks.judge import Monitors
 from ..checks.singularity import SingularityMonitor
 from ..checks.stability import BucklingMonitor, SpinMonitor
 from ..dynamics.analysis.recovery import scales

@@ -70,7 +70,7 @@ def test_ctrl_c_within_a_member(tmp_path):
     file.write_text(json.dumps(table))
     code = (
         "import sys\n"
-        "from plymotion.solver.checks.monitors import Monitors\n"
+        "from plymotion.solver.checks.judge import Monitors\n"
         "from plymotion.solver.__main__ import main\n"
         "watch = Monitors.__call__\n"
         "def told(self, steps):\n"

@@ -18,7 +18,7 @@ ROOM = "tolerances.py"  # of a room, with its thresholds
 # Folders above that limit, and what they have: no number here may grow.
 LARGE = {}
 LONGEST_CHAIN = {"solver": 25, "preprocess": 24}  # of imports, file by file; may not grow either
-CONSTANTS, LITERALS = 343, 162  # thresholds outside the files tolerances.py; may only fall
+CONSTANTS, LITERALS = 306, 152  # thresholds outside the files tolerances.py; may only fall
 ANYTHING = 60  # times `dict[str, Any]`, a table of which nothing is known; may only fall
 Graph = dict[str, set[str]]
 

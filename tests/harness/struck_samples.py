@@ -45,7 +45,7 @@ def around(place, name, before=None, after=None):
 from plymotion.solver.__main__ import main
 around(os, "replace", "before", "after")
 if when == "stepping":
-    from plymotion.solver.checks.monitors import Monitors
+    from plymotion.solver.checks.judge import Monitors
     around(Monitors, "__call__", after="stepping")
 if when == "compiling":
     import llvmlite.binding

@@ -32,7 +32,7 @@ pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="no such signals
 PAUSED = """
 import os, sys, time
 import plymotion.solver.results.datasets as d
-from plymotion.solver.checks.monitors import Monitors
+from plymotion.solver.checks.judge import Monitors
 from plymotion.solver.__main__ import main
 where, go = sys.argv[1:3]
 watch, put, seen = Monitors.__call__, d.Datasets.put, []

@@ -45,7 +45,7 @@ TOLD = """
 import sys, time
 import plymotion.solver.run.execution as r
 from plymotion.solver.studies.sweep import portions
-from plymotion.solver.checks.monitors import Monitors
+from plymotion.solver.checks.judge import Monitors
 from plymotion.solver.__main__ import main
 watch, write = Monitors.__call__, r.write_result
 def told(self, steps):

@@ -50,7 +50,7 @@ def test_projection_removes_the_drift(integrator):
     """Positions and velocities to rounding, at steps and between them."""
     between = np.linspace(0.0, 10.0, 57)
     done = run(pendulum(), "projection", between, integrator, rtol=1e-5)
-    assert done.position.max() <= 1.1e-12  # projection.CLOSED and a rounding
+    assert done.position.max() <= 1.1e-12  # CLOSED and a rounding
     assert done.velocity.max() < 1e-12
     y = done.solution.y
     assert np.abs(np.linalg.norm(y[:, :3], axis=1) - 1.0).max() < 2e-12

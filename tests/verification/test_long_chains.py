@@ -12,9 +12,10 @@ from plymotion.solver.dynamics.analysis.rank import degrees_of_freedom
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
 from plymotion.solver.dynamics.elements.joints.table import DRIVES, NAMES
 from plymotion.solver.dynamics.evaluation.accelerations import derivative_into
-from plymotion.solver.dynamics.evaluation.elimination import REGULAR, is_tree
+from plymotion.solver.dynamics.evaluation.elimination import is_tree
 from plymotion.solver.dynamics.evaluation.series import along_solution
 from plymotion.solver.dynamics.model.model import new_workspace
+from plymotion.solver.dynamics.tolerances import REGULAR
 from plymotion.solver.integrators.generic.drive import integrate
 from plymotion.solver.math.laws import polynomial
 

@@ -9,10 +9,11 @@ from samples.mechanism_samples import bricard, chain, four_bars
 
 from plymotion.solver.checks.constraint_rank import new_observation, note, observe
 from plymotion.solver.checks.singularity import SingularityMonitor
-from plymotion.solver.dynamics.analysis.rank import CERTAIN, begin, new_independence
+from plymotion.solver.dynamics.analysis.rank import begin, new_independence
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
 from plymotion.solver.dynamics.evaluation.accelerations import assemble, energies
 from plymotion.solver.dynamics.model.model import new_workspace
+from plymotion.solver.dynamics.tolerances import CERTAIN
 from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.integrators.choice import make_integrator

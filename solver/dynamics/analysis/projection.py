@@ -9,12 +9,12 @@ from ..evaluation.accelerations import by_blocks, dense, factorise_mass, solve_d
 from ..evaluation.evaluation import evaluate, evaluate_rates, momenta_into
 from ..model.coordinates import move
 from ..model.model import PHI, Model, Workspace, spare_workspace
+from ..tolerances import CLOSED, SAME_VELOCITIES, SPARED, STAYS_CLOSED_TO
 
 # Given velocities are kept by a large inertia: a change of the others moves them by about 1 / HOLD.
 # They are then reset to the given values, and the next pass removes the residual of this.
 HOLD = 1e6
 MOST_PASSES = 40
-ROUND_OFF = 1e-15
 
 
 def least_energy(model: Model, t: float, y: Array, given: IntArray, values: Array) -> Array:
@@ -67,7 +67,7 @@ def _correct(
                 change[k] = 0.0
             else:
                 y[model.n_pos + k] += change[k]
-        if not largest(change) > ROUND_OFF * before:
+        if not largest(change) > SAME_VELOCITIES * before:
             break
         momenta_into(model, work, moved, change)
         _load(model, work, held, 1.0, change)
@@ -83,12 +83,6 @@ def _load(model: Model, work: Workspace, held: IntArray, sign: float, momenta: A
 
 
 MAX_ITERATIONS = 6
-# |Phi| that is rounding, for each metre of the largest position [m, rad]. What is left of Phi moves
-# bodies by |Phi| / s, with s the least singular value of Phi_q: 1e-12 left 1e-5 m per passage of a
-# singular position, where s is small, at any rtol.
-CLOSED = 1e-15
-SPARED = 100.0  # roundings that the next correction would move bodies by, too few to compute it
-TOLERABLE = 1e-9  # |Phi| that is accepted if round-off prevents a smaller value [m, rad]
 
 
 @lean
@@ -142,7 +136,7 @@ def project(model: Model, work: Workspace, t: float, y: Array, step: Array, befo
     _solve_row_change(model, work, step)
     for i in range(n_vel):
         y[n_pos + i] += step[i]
-    return bool(violation < TOLERABLE)
+    return bool(violation < STAYS_CLOSED_TO)
 
 
 @lean

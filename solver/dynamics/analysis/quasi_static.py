@@ -3,12 +3,12 @@
 import numpy as np
 
 from ...math.arrays import Array
-from ..elements.constraints.minimum_norm import RANK_TOLERANCE
 from ..elements.constraints.treatment import scaled_jacobian
 from ..evaluation.accelerations import assemble
 from ..evaluation.elimination import is_tree
 from ..evaluation.series import along_solution
 from ..model.model import Model, modal_matrix
+from ..tolerances import RANK_TOLERANCE, STANDS_STILL
 from .rank import free_motions, rank_of
 
 _HEAVY = 1e8  # modal mass over that of the model: bodies then move as if rigid
@@ -118,4 +118,4 @@ def _modes(model: Model, i: int) -> slice:
 def is_moving(model: Model, y: Array) -> bool:
     """Return whether a body moves in state y (n,): speed above 1e-9 [m/s, rad/s, 1/s]."""
     velocities = y[model.n_pos : model.n_pos + model.n_vel]
-    return bool(np.max(np.abs(velocities), initial=0.0) > 1e-9)
+    return bool(np.max(np.abs(velocities), initial=0.0) > STANDS_STILL)

@@ -24,7 +24,6 @@ import numpy as np
 
 from ...math.arrays import Array, IntArray, zeros_of
 from ...math.compiled import inlined, lean, structure
-from ..elements.constraints.minimum_norm import RANK_TOLERANCE
 from ..elements.constraints.treatment import row_masses, scaled_jacobian
 from ..elements.joints.table import DRIVES, NAMES
 from ..evaluation.accelerations import Equations, assemble
@@ -33,8 +32,20 @@ from ..evaluation.evaluation import evaluate
 from ..model.coordinates import rates_into
 from ..model.layout import RowOrder, padded, row_order
 from ..model.model import Model, Workspace, spare_workspace, state_size
+from ..tolerances import (
+    CERTAIN,
+    INDEPENDENT,
+    LEAST_BESIDE_ZEROS,
+    LEAST_EIGENVALUE,
+    RANK_CUT,
+    RANK_GAP,
+    RANK_GAP_WITHIN,
+    RANK_TOLERANCE,
+    RESIDUAL_ROUNDING,
+    SHIFT_FOUND,
+    ZERO_SINGULAR,
+)
 
-CERTAIN = 1e-10  # least pivot of a step that has no singular position
 MOST_PARTS = 64  # of a step
 
 
@@ -298,12 +309,6 @@ def gram_into(model: Model, order: RowOrder, kept: IntArray, A: Array, B: Array,
             H[profile[place[row] + 1] - 1] = 1.0
 
 
-CUT = 1e-6  # singular values below count as zero, relative to the largest
-_NEAR = (1e-9, 1e-3)  # singular values among which a gap is searched
-_NOISE = 1e-16  # what a singular value of zero is computed as
-_CLEAR = 1e2  # factor between the values on both sides of the cut below which it is doubtful
-
-
 class Rank(NamedTuple):
     """Rank of the constraint rows, and the singular values on both sides of the cut."""
 
@@ -320,7 +325,7 @@ class Rank(NamedTuple):
     @property
     def doubtful(self) -> bool:
         """Whether the cut divides values that lie close to each other."""
-        return self.first > 0.0 and self.last < _CLEAR * self.first
+        return self.first > 0.0 and self.last < RANK_GAP * self.first
 
     @property
     def text(self) -> str:
@@ -337,11 +342,12 @@ def rank_of(s: Array, rows: int) -> Rank:
     if s.size == 0 or s[0] == 0.0:
         return Rank(0, rows, 1.0, 0.0)
     r = s / s[0]
-    value = int(np.sum(r > CUT))
-    if value < r.size and r[value - 1] < _CLEAR * r[value]:
+    value = int(np.sum(r > RANK_CUT))
+    if value < r.size and r[value - 1] < RANK_GAP * r[value]:
         # The cut divides values of one size: the widest gap near it decides.
-        near = [k for k in range(1, r.size) if r[k] < _NEAR[1] and r[k - 1] > _NEAR[0]]
-        value = max(near, key=lambda k: r[k - 1] / max(r[k], _NOISE))
+        low, high = RANK_GAP_WITHIN
+        near = [k for k in range(1, r.size) if r[k] < high and r[k - 1] > low]
+        value = max(near, key=lambda k: r[k - 1] / max(r[k], ZERO_SINGULAR))
     first = float(r[value]) if value < r.size else 0.0
     return Rank(value, rows, float(r[value - 1]), first)
 
@@ -372,9 +378,6 @@ def free_motions(equations: Equations, inertia_scale: Array) -> FreeMotions:
     return FreeMotions(Vt[k:].T / root[:, None], Vt[k:] * root, P, rank)
 
 
-CLOSE = 1e-7  # relative distance of the last shift from the eigenvalue
-FLOOR, FLOOR_WITH_NULL = 1e-17, 1e-14  # eigenvalues of C C' below are zero
-ROUND_OFF = 1e-15  # of the residual of an eigenvector
 MOST_SHIFTS = 100
 
 
@@ -450,13 +453,13 @@ def smallest_singular_value(
     """
     gram_into(model, rows.order, memory.every, C, C, memory.G)
     x = memory.x
-    floor = FLOOR_WITH_NULL if null > 0 else FLOOR
+    floor = LEAST_BESIDE_ZEROS if null > 0 else LEAST_EIGENVALUE
     low, high = floor, float(x.shape[0])
     sigma = _along(model, rows, C, x)
     if not (sigma > low and sigma < high):
         sigma = np.sqrt(low * high)
     for _ in range(MOST_SHIFTS):
-        shift = max(floor, sigma * (1.0 - CLOSE))
+        shift = max(floor, sigma * (1.0 - SHIFT_FOUND))
         below = _factorise(rows, memory, shift)
         if below > null:
             high = min(high, shift)
@@ -467,9 +470,9 @@ def smallest_singular_value(
         sigma = _along(model, rows, C, x)
         if high <= floor:
             return np.sqrt(min(sigma, floor))
-        if below <= null and (4.0 * CLOSE * shift + ROUND_OFF) * size >= 1.0:
+        if below <= null and (4.0 * SHIFT_FOUND * shift + RESIDUAL_ROUNDING) * size >= 1.0:
             return np.sqrt(sigma)
-        if high <= low * (1.0 + CLOSE):
+        if high <= low * (1.0 + SHIFT_FOUND):
             return np.sqrt(high)
         if not (sigma > low and sigma < high):
             sigma = np.sqrt(low * high)
@@ -551,9 +554,6 @@ def _factorise(rows: Independence, memory: Spectrum, shift: float) -> int:
     return below
 
 
-_INDEPENDENT = 1e3 * RANK_TOLERANCE  # smallest singular value of rows of length one
-
-
 def degrees_of_freedom(model: Model, y: Array, *, independent: bool = False) -> int:
     """Return the number of independent velocities at the start y (n,), with joints but no drives.
 
@@ -597,4 +597,4 @@ def clearly_independent(model: Model, y: Array) -> bool:
         return True
     rows = new_independence(model)
     C, memory = np.zeros_like(rows.C), new_spectrum(rows)
-    return smallest_at(model, spare_workspace(model), rows, memory, 0, 0.0, y, C) > _INDEPENDENT
+    return smallest_at(model, spare_workspace(model), rows, memory, 0, 0.0, y, C) > INDEPENDENT

@@ -15,11 +15,9 @@ from ..evaluation.evaluation import evaluate, first_moments, stored_energies
 from ..evaluation.series import along_solution, driven_speeds, marker_places
 from ..model.model import GROUND, Model, modal_matrix, spare_workspace
 from ..model.motion import ACCELERATION, AXES, PLACE, SPIN, SPIN_RATE, VELOCITY
+from ..tolerances import NO_LOAD, ORDER_OF_MAGNITUDE
 
 SAMPLES = 65  # times at which drives are looked at
-# Pivots below which elimination leaves no digit. Above it orders of magnitude are right, and the
-# time stays linear in the number of bodies: the pivots of a chain fall with its length.
-ORDER = 1e-12
 
 
 class Scales(NamedTuple):
@@ -92,7 +90,7 @@ def extent(model: Model, y0: Array) -> float:
 
 def _at_start(model: Model, y0: Array, length: float) -> float:
     """Speed at the start, and what gravity and loads can make of it over the length [m/s]."""
-    rates, _ = along_solution(model, np.zeros(1), y0[None], ORDER)
+    rates, _ = along_solution(model, np.zeros(1), y0[None], ORDER_OF_MAGNITUDE)
     fall = float(np.linalg.norm(model.gravity_G)) * length
     mass = max(float(model.mass.sum()), 1e-300)
     work = spare_workspace(model)
@@ -211,8 +209,6 @@ def stiffened(model: Model, body: int) -> bool:
     return bool(model.second_start[body + 1] > model.second_start[body])
 
 
-LOADED = 1e-3  # least load, over that which the kinetic energy or the largest force stands for
-
 # Central differences, exact for polynomials up to the sixth degree.
 DIFFERENCE = ((-3, -1 / 60), (-2, 3 / 20), (-1, -3 / 4), (1, 3 / 4), (2, -3 / 20), (3, 1 / 60))
 
@@ -303,7 +299,7 @@ def momentum_balance(model: Model, t: Array, y: Array) -> MomentumBalance:
     energy = 0.5 * float(np.abs(v * momenta).sum(axis=1).max())
     size = extent(model, y[0])
     found = scale.reshape(-1, 2, 3).max(axis=(0, 2))
-    force = LOADED * max(energy / size, float(found[0]), 1e-300)
+    force = NO_LOAD * max(energy / size, float(found[0]), 1e-300)
     largest = np.maximum(found, force * np.array([1.0, size]))
     relative = error.reshape(-1, 2, 3).max(axis=(0, 2)) / largest
     return MomentumBalance(float(relative[0]), float(relative[1]))

@@ -16,10 +16,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...math.arrays import Array, IntArray
-
-# Least eigenvalue of a mass matrix scaled to a diagonal of one: that leaves enough digits to an
-# elimination; and above rounding, which a heavy mass on a light body comes close to.
-POSITIVE, ROUNDING = 1e-10, 1e-13
+from ..tolerances import HELD, MASS_ROUNDING, MOVED, POSITIVE_MASS
 
 
 def missing_inertia(mass: float, J: Array, M_wq: Array, S0: Array, S: Array, M_qq: Array) -> Array:
@@ -43,13 +40,13 @@ def missing_inertia(mass: float, J: Array, M_wq: Array, S0: Array, S: Array, M_q
     scale = np.sqrt(np.diag(M).clip(min=0.0))
     scale[scale == 0.0] = 1.0
     values, vectors = np.linalg.eigh(M / np.outer(scale, scale))
-    null = vectors[:, values <= POSITIVE] / scale[:, None]
+    null = vectors[:, values <= POSITIVE_MASS] / scale[:, None]
     if null.shape[1] == 0:
         return np.zeros((0, len(M)))
     moving = np.eye(len(M))[:3] if mass == 0.0 else np.zeros((0, len(M)))
     # with mass, no motion without inertia is a translation alone: the rest says which it is
     U, s, _ = np.linalg.svd(null[3:])
-    other = np.zeros((int(np.sum(s > 1e-6 * max(s[0], 1e-300))), len(M)))
+    other = np.zeros((int(np.sum(s > MOVED * max(s[0], 1e-300))), len(M)))
     other[:, 3:] = U[:, : len(other)].T
     return np.vstack([moving, other])
 
@@ -73,11 +70,11 @@ def undetermined_body(
     C = Phi_q / root
     size = np.linalg.norm(C, axis=1, keepdims=True)
     s, Vt = np.linalg.svd(C / np.where(size > 0.0, size, 1.0))[1:]
-    Z = Vt[int(np.sum(s > 1e-9 * max(s[0], 1e-300))) if s.size else 0 :].T
+    Z = Vt[int(np.sum(s > HELD * max(s[0], 1e-300))) if s.size else 0 :].T
     if Z.shape[1] == 0:
         return None
     values, vectors = np.linalg.eigh(Z.T @ (M / np.outer(root, root)) @ Z)
-    if values[0] > ROUNDING:
+    if values[0] > MASS_ROUNDING:
         return None
     free = (Z @ vectors[:, 0]) / root
     share = [float(np.linalg.norm((free * root)[j : j + 6])) for j in vel_start]
@@ -108,7 +105,7 @@ def inertia_of(directions: Sequence[Array], scale: Array, start: np.ndarray) -> 
 def is_positive(M: Array) -> bool:
     """Return whether a modal mass matrix is positive definite; one without modes is."""
     scale = np.sqrt(np.diag(M).clip(min=1e-300))
-    return not M.size or bool(np.linalg.eigvalsh(M / np.outer(scale, scale))[0] > POSITIVE)
+    return not M.size or bool(np.linalg.eigvalsh(M / np.outer(scale, scale))[0] > POSITIVE_MASS)
 
 
 def of_one_length(directions: Sequence[Array]) -> Array:

@@ -18,7 +18,8 @@ from ..elements.constraints.saddle_point import saddle_point
 from ..elements.floating_frame import flatten, row_products
 from ..model.coordinates import rates_into
 from ..model.model import GAMMA, PHI, PHI_T, Model, Workspace, spare_workspace, state_size
-from .elimination import REGULAR, factorise, rows_depend, solve
+from ..tolerances import REGULAR
+from .elimination import factorise, rows_depend, solve
 from .evaluation import (
     MOST_PASSES,
     auxiliary_rates_into,

@@ -29,6 +29,7 @@ from ...math.compiled import inlined, lean
 from ..elements.joints.table import DRIVES, KINDS
 from ..model.layout import Layout, RowOrder
 from ..model.model import Factors, Model
+from ..tolerances import CLEARLY_REGULAR
 
 
 @lean
@@ -366,10 +367,6 @@ def _react(
                 multipliers[rows[k]] = z[p]
 
 
-# Smallest ratio of a pivot to its diagonal entry, below which rows are treated as dependent
-# and the penalty is used: an elimination without it would lose more than half of the digits.
-REGULAR = 1e-7
-CLEARLY = 1e3  # of the geometry alone: rows that are independent have such a multiple of it
 ABSENT = 1e100  # softness of a row that holds nothing
 _DRIVES = frozenset(KINDS[name] for name in DRIVES)
 
@@ -430,4 +427,4 @@ def rows_depend(model: Model, order: RowOrder, factors: Factors, J: Array, softn
     for k in range(softness.shape[0]):
         softness[k] = 0.0 if k < model.n_constraint else ABSENT
     factorise(model.layout, order, factors, J, softness)
-    return bool(factors.regular[0] < CLEARLY * REGULAR)
+    return bool(factors.regular[0] < CLEARLY_REGULAR)

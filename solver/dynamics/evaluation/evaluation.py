@@ -37,6 +37,7 @@ from ..model.model import (
     spare_workspace,
 )
 from ..model.motion import axis, place
+from ..tolerances import ONE_SAMPLE, REACTION_FOUND, REACTION_ROUNDING
 from .laws import acceleration_of, auxiliary_rate, force_size, law_at, measure
 from .rotor import PASSES, move_inflow, section_rates_into, section_wrench, wind_into
 
@@ -364,8 +365,6 @@ def fill_jacobian(J: Array, first: int, C: Array, begin: int, J_m: Array, n: int
 
 
 MOST_PASSES = 60
-# What a force may miss, over its size and over the largest multiplier (rounding).
-SETTLED, ROUNDING = 1e-11, 1e-14
 
 
 @inlined
@@ -458,7 +457,7 @@ def move_forces(model: Model, work: Workspace, t: float, passed: int) -> bool:
         missing = work.size[k, 0] - before
         work.size[k, 0] = before
         # not-a-number differs
-        if not abs(missing) <= SETTLED * abs(before) + ROUNDING * largest:
+        if not abs(missing) <= REACTION_FOUND * abs(before) + REACTION_ROUNDING * largest:
             differ = True
         change = missing - left[k, 0]
         product += left[k, 0] * change
@@ -575,7 +574,6 @@ def evaluate_rates(model: Model, work: Workspace, y: Array) -> None:
         work.left[k] += work.rows[k, PHI_T]
 
 
-NOTHING = 1e-13  # part of a step: two instants closer than this are one
 _PARTS = np.linspace(0.0, 1.0, 9)
 
 
@@ -641,7 +639,6 @@ def _root(gap: Hermite, e: int, k: int) -> float:
 
 
 Called = Callable[[float, Array], float]
-NEAR = 1e-6  # periods by which an instant of two controllers may differ
 
 
 def started(model: Model, t: float, y: Array) -> Array:
@@ -707,7 +704,7 @@ def sampled(
 @inlined
 def is_sampled(period: float, t: float) -> bool:
     """Return whether a state of a period [s], 0 for none, is sampled at the instant t [s]."""
-    return period > 0.0 and abs(t / period - np.round(t / period)) < NEAR
+    return period > 0.0 and abs(t / period - np.round(t / period)) < ONE_SAMPLE
 
 
 class Instants:
@@ -727,11 +724,11 @@ class Instants:
             return
         periods = distinct(self._period[self._period > 0.0])
         all_t = [
-            p * np.arange(int(begin / p + NEAR) + 1, int(np.ceil(t_end / p - NEAR)))
+            p * np.arange(int(begin / p + ONE_SAMPLE) + 1, int(np.ceil(t_end / p - ONE_SAMPLE)))
             for p in periods
         ]
         t = np.sort(np.concatenate([np.zeros(0), *all_t]))
-        apart = np.diff(t, prepend=-1.0) > NEAR * periods.min(initial=1.0)
+        apart = np.diff(t, prepend=-1.0) > ONE_SAMPLE * periods.min(initial=1.0)
         self.t = t[apart]
 
     def sampled_at(self, t: float) -> NDArray[np.bool_]:

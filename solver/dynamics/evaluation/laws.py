@@ -11,7 +11,6 @@ from ..model.model import (
     DISPLACEMENT,
     DISTANCE,
     HEIGHT,
-    LAST,
     RIM,
     SLIP,
     SPHERES,
@@ -20,8 +19,7 @@ from ..model.model import (
     Quantities,
 )
 from ..model.motion import acceleration, axis, place, spin, spin_rate, velocity
-
-COINCIDENT = 1e-12  # distance of two points without a direction [m]
+from ..tolerances import LAST_INSTANT, NO_DIRECTION
 
 
 @lean
@@ -47,7 +45,7 @@ def coordinate(
             e, arm = dot3(n, d), cross3(n, d)
         else:
             e = np.sqrt(dot3(d, d))
-            n = times3(1.0 / e if e > COINCIDENT else 0.0, d)
+            n = times3(1.0 / e if e > NO_DIRECTION else 0.0, d)
         for j in range(3):
             g[j], g[3 + j], g[6 + j], g[9 + j] = -n[j], arm[j], n[j], 0.0
         moving = minus3(velocity(two), velocity(one))
@@ -84,13 +82,13 @@ def touch(axes: IntArray, radius: float, one: Array, two: Array) -> tuple[Triple
     if axes[1] == SPHERES:
         d = minus3(place(two), place(one))
         length = np.sqrt(dot3(d, d))
-        n = times3(1.0 / length if length > COINCIDENT else 0.0, d)
+        n = times3(1.0 / length if length > NO_DIRECTION else 0.0, d)
     up = n
     if axes[1] == RIM:
         a = axis(two, 2)
         up = minus3(n, times3(dot3(n, a), a))
         length = np.sqrt(dot3(up, up))
-        up = times3(1.0 / length if length > COINCIDENT else 0.0, up)
+        up = times3(1.0 / length if length > NO_DIRECTION else 0.0, up)
     return n, times3(-radius, up)
 
 
@@ -194,7 +192,7 @@ def before_end(quantities: Quantities, t: float) -> float:
 
     No step follows that would see what begins there, such as the rest after a table.
     """
-    margin = LAST * quantities.end
+    margin = LAST_INSTANT * quantities.end
     return quantities.end - margin if abs(t - quantities.end) < margin else t
 
 

@@ -53,13 +53,11 @@ from ..model.model import (
     Workspace,
 )
 from ..model.motion import axis, place, spin, velocity
+from ..tolerances import INFLOW_FOUND, LEAST_FLOW, LEAST_LOSS, LEAST_RADIUS, LEAST_SINE, LEAST_WIND
 
 MOST_INDUCTION = 0.95  # of the wind: beyond it, flow reverses in the wake
 BUHL = 0.96  # thrust coefficient over the loss from which on Buhl's relation holds: a = 0.4
 MADSEN = (0.2460, 0.0586, 0.0883)  # of induction over thrust
-LEAST_WIND = 0.1  # along the shaft, in momentum theory [m/s]
-LEAST_LOSS = 1e-3
-SLOWEST = 1e-3  # flow at a section [m/s]
 QUASI_SHARE = 0.6  # k of Oye's filter
 A_1, A_2, B_1, B_2 = 0.165, 0.335, 0.0455, 0.3  # of the indicial function
 LIFT, DRAG = 0, 1  # columns of a polar, before those of model.py
@@ -123,7 +121,7 @@ def section_wrench(model: Model, work: Workspace, k: int, s: int) -> Wrench:
     n = axis(hub, 2)
     out = minus3(place(at), place(hub))
     out = minus3(out, times3(dot3(out, n), n))
-    r = max(np.sqrt(dot3(out, out)), 1e-6)
+    r = max(np.sqrt(dot3(out, out)), LEAST_RADIUS)
     out = times3(1.0 / r, out)
     t = cross3(n, out)
     lever = times3(shape[OFFSET], axis(at, 1))
@@ -136,11 +134,11 @@ def section_wrench(model: Model, work: Workspace, k: int, s: int) -> Wrench:
     skewed = w_n * _skew(wind, n, out, min(max(-w_n / v, 0.0), 0.5), r / numbers[RADIUS])
     flow = sum3(minus3(wind, moving), sum3(times3(skewed, n), times3(w_t, t)))
     forward, up = -dot3(flow, axis(at, 1)), dot3(flow, axis(at, 2))
-    speed = max(np.sqrt(forward * forward + up * up), SLOWEST)
+    speed = max(np.sqrt(forward * forward + up * up), LEAST_FLOW)
     # the angle at three quarters of the chord, behind which that of the polar lags by the wake
     turn_rate = dot3(spin(at), axis(at, 0))
     behind = up + 0.5 * shape[CHORD] * turn_rate
-    share = behind / np.sqrt(forward * forward + behind * behind + SLOWEST**2)
+    share = behind / np.sqrt(forward * forward + behind * behind + LEAST_FLOW**2)
     slow_down = 2.0 * speed / shape[CHORD]
     for i in range(2):
         b, part = (B_1, A_1 * share) if i == 0 else (B_2, A_2 * share)
@@ -207,8 +205,8 @@ def _rates(
     """
     numbers, shape = model.rotor.numbers, model.rotor.shape[s]
     across, around = dot3(flow, n), dot3(flow, t)
-    sine = abs(across) / max(np.sqrt(across * across + around * around), SLOWEST)
-    half = 0.5 * numbers[BLADES] / max(sine, 1e-6)
+    sine = abs(across) / max(np.sqrt(across * across + around * around), LEAST_FLOW)
+    half = 0.5 * numbers[BLADES] / max(sine, LEAST_SINE)
     loss = np.arccos(np.exp(-half * shape[TIP_GAP])) * np.arccos(np.exp(-half * shape[ROOT_GAP]))
     loss = max(loss * (2.0 / np.pi) ** 2, LEAST_LOSS)
     # thrust of the ring over its dynamic pressure: 1/2 rho v^2 2 pi r
@@ -250,7 +248,7 @@ def section_rates_into(model: Model, work: Workspace, out: Array) -> None:
             out[first + N_SECTION_STATE * s + i] = work.flow[s, i]
 
 
-RELAXATION, PASSES, SETTLED = 0.1, 400, 1e-9
+RELAXATION, PASSES = 0.1, 400  # of the inflow at rest
 
 
 def move_inflow(model: Model, flow: Array, y: Array) -> bool:
@@ -268,4 +266,6 @@ def move_inflow(model: Model, flow: Array, y: Array) -> bool:
     gap = goal - states[:, 2:]
     states[:, 2:] += RELAXATION * gap
     states[:, :2] = (1.0 - QUASI_SHARE) * states[:, 2:4]
-    return bool(np.abs(gap).max(initial=0.0) <= SETTLED * (1.0 + np.abs(goal).max(initial=0.0)))
+    return bool(
+        np.abs(gap).max(initial=0.0) <= INFLOW_FOUND * (1.0 + np.abs(goal).max(initial=0.0))
+    )

@@ -16,8 +16,9 @@ from ..elements.forces.table import FIRST_LOAD
 from ..elements.marker import move_marker
 from ..model.model import PHI, PHI_T, Model, Workspace, spare_workspace, state_size
 from ..model.motion import N_MOTION, PLACE, place, stand
+from ..tolerances import REGULAR
 from .accelerations import by_blocks, dense_derivative_into, derivative_into
-from .elimination import REGULAR, is_tree
+from .elimination import is_tree
 from .evaluation import (
     energies_into,
     evaluate,

@@ -12,6 +12,7 @@ import numpy as np
 from ...math.arrays import Array
 from ...math.compiled import inlined, lean
 from ...math.rotations import along_parameters, rotation_matrices, skew
+from ..tolerances import SMALL_TURN
 from .model import Model
 
 
@@ -116,7 +117,7 @@ def move(model: Model, y: Array, step: Array) -> None:
             y[a + 7 + k] += step[j + 6 + k]
         w0, w1, w2 = step[j + 3], step[j + 4], step[j + 5]
         half = 0.5 * np.sqrt(w0 * w0 + w1 * w1 + w2 * w2)
-        ratio = 0.5 * np.sin(half) / half if half > 1e-8 else 0.5
+        ratio = 0.5 * np.sin(half) / half if half > SMALL_TURN else 0.5
         p0, p1, p2, p3 = along_parameters(y, a + 3, ratio * w0, ratio * w1, ratio * w2)
         c = np.cos(half)
         p0, p1, p2, p3 = p0 + c * y[a + 3], p1 + c * y[a + 4], p2 + c * y[a + 5], p3 + c * y[a + 6]

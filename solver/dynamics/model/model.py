@@ -36,7 +36,6 @@ SPHERES, PLANE, RIM = 0, 1, 2
 # Sizes of the reaction of a joint on its second place, about its axis z: force across and along
 # it, moment about that place across and along it.
 RADIAL, AXIAL, BENDING, TWISTING = 0, 1, 2, 3
-LAST = 1e-14  # of the time at the end of a run: so much earlier its laws are read
 
 
 @structure

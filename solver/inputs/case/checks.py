@@ -7,7 +7,7 @@ import numpy as np
 
 from ...dynamics.elements.forces.table import ELEMENTS
 from ...dynamics.elements.joints.table import JOINTS
-from ...dynamics.model.model import LAST
+from ...dynamics.tolerances import LAST_INSTANT
 from ...errors import InputError, collected, few, nearest, unknown
 from ...integrators.table import treatment_of
 from ...math import laws
@@ -180,7 +180,7 @@ def _places(mechanism: Mechanism) -> PlaceCheck:
 def _stop(key: str, table: DriveTable, t_end: float) -> list[str]:
     """Return the error of a table that ends within the run before its curve has come to rest."""
     times, values = column(table.times or []), column(table.values or [])
-    if times[-1] >= t_end * (1.0 - LAST):
+    if times[-1] >= t_end * (1.0 - LAST_INSTANT):
         return []
     curve = laws.table(times, values, table.interpolation)
     s, c = times[-1] - times[-2], curve.coefficients

@@ -8,12 +8,13 @@ The metric is that of the step, s^2 M + s D + K: a change in the metric of the m
 and the same for velocities with Phi_q dv = -Phidot.
 """
 
-from ...dynamics.analysis.projection import SPARED, TOLERABLE, rounding
+from ...dynamics.analysis.projection import rounding
 from ...dynamics.elements.floating_frame import flatten, largest
 from ...dynamics.evaluation.elimination import solve
 from ...dynamics.evaluation.evaluation import evaluate, evaluate_rates, largest_left
 from ...dynamics.model.coordinates import move
 from ...dynamics.model.model import PHI, Model, Workspace
+from ...dynamics.tolerances import SPARED, STAYS_CLOSED_TO
 from ...math.arrays import Array, IntArray
 from ...math.compiled import inlined, lean
 from .pencil import Frozen, Pencil, factorise_pencil, freeze
@@ -75,7 +76,8 @@ def close(
             violation = largest(work.rows[:, PHI])
             if violation <= closed or violation * moved <= SPARED * closed * before:
                 break
-            if before < TOLERABLE and not violation < 0.5 * before:  # rounding is larger than usual
+            # rounding is larger than usual
+            if before < STAYS_CLOSED_TO and not violation < 0.5 * before:
                 break
     if moved == 0.0:
         freeze(model, work, t, y, frozen)
@@ -92,7 +94,7 @@ def close(
         # Softened rows take a part of what they miss, all others all of it.
         if frozen.softness[0] == 0.0 or changed < SETTLED:
             break
-    return violation < TOLERABLE
+    return violation < STAYS_CLOSED_TO
 
 
 @inlined

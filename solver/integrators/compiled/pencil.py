@@ -26,7 +26,7 @@ to it.
 from typing import Annotated, Any, NamedTuple
 
 from ...dynamics.evaluation.accelerations import add_inertia, soften
-from ...dynamics.evaluation.elimination import REGULAR, factorise, rows_depend, solve
+from ...dynamics.evaluation.elimination import factorise, rows_depend, solve
 from ...dynamics.model.model import (
     Factors,
     Model,
@@ -35,6 +35,7 @@ from ...dynamics.model.model import (
     place_added_rows,
     state_size,
 )
+from ...dynamics.tolerances import REGULAR
 from ...math.arrays import Array, zeros_of
 from ...math.compiled import inlined, lean, structure
 from ...math.rotations import along_parameters

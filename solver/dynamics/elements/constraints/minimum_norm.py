@@ -3,9 +3,8 @@
 import numpy as np
 
 from ....math.arrays import Array
+from ...tolerances import RANK_TOLERANCE
 from .treatment import row_masses
-
-RANK_TOLERANCE = 1e-9  # relative to the largest singular value
 
 
 def minimum_norm(

@@ -16,9 +16,9 @@ from math import log1p
 from typing import Any
 
 from ....errors import InputError
+from ...tolerances import FULL_RESTITUTION, SLOWEST_IMPACT
 from .contract import CoordinateForce, Number, State, Terms
 
-SLOWEST = 1e-6  # impact: slower ones lose more than the restitution says [m/s, rad/s]
 # A contact in which a run begins had no impact: it takes the speed of a fall through its depth.
 FALL = 2.0 * 9.81
 
@@ -26,7 +26,7 @@ FALL = 2.0 * 9.81
 def damping(restitution: float) -> float:
     """Return a = b u of a restitution e, 0 < e <= 1."""
     e = restitution
-    if e >= 1.0 - 1e-9:
+    if e >= FULL_RESTITUTION:
         return 0.0
 
     def missing(a: float) -> float:
@@ -62,7 +62,7 @@ def _terms(values: Mapping[str, Any]) -> Terms:
             continue
         u = f"{end}_speed" if speed is None else repr(speed)
         if speed is None and ratio:
-            hit = f"max(abs(v), {SLOWEST!r})"
+            hit = f"max(abs(v), {SLOWEST_IMPACT!r})"
             start = f"hypot({hit}, sqrt({FALL!r} * max({sign or '+'}({limit!r} - x), 0)))"
             states.append(
                 State(u, None, start=start, update=hit, level=limit, upwards=end == "upper")

@@ -9,9 +9,8 @@ from ....math.arrays import Array, Triple
 from ....math.compiled import jit
 from ....math.rotations import dot3, minus3, times3
 from ...model.motion import place, velocity
+from ...tolerances import NO_DIRECTION
 from .contract import DAMPING, FORCE, STIFFNESS, Element, Number, OfTime, Wrench
-
-COINCIDENT = 1e-12  # distance of two points without a direction [m]
 
 
 @jit
@@ -30,7 +29,7 @@ def spring(one: Array, two: Array, parameters: Array, actuator: float) -> Wrench
     stiffness, damping, length = parameters[0], parameters[1], parameters[2]
     d = minus3(place(two), place(one))
     s = np.sqrt(dot3(d, d))
-    if s < COINCIDENT:
+    if s < NO_DIRECTION:
         return Wrench((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.5 * stiffness * length * length, 0.0)
     direction = times3(1.0 / s, d)
     speed = dot3(direction, minus3(velocity(two), velocity(one)))
@@ -61,7 +60,7 @@ def spring_rows(one: Array, two: Array, parameters: Array, rows: Array) -> None:
     for i in range(3):
         n = (1.0 if i == 0 else 0.0, 1.0 if i == 1 else 0.0, 1.0 if i == 2 else 0.0)
         _fill(rows, 1 + i, n, stiffness, 0.0, stiffness * d[i])
-    if s < COINCIDENT:
+    if s < NO_DIRECTION:
         _fill(rows, 0, d, 0.0, 0.0, 0.0)
         return
     n = times3(1.0 / s, d)

@@ -11,9 +11,8 @@ from ....math.compiled import jit
 from ....math.rotations import dot3, minus3
 from ...model.model import GAMMA, PHI, PHI_T
 from ...model.motion import acceleration, place, velocity
+from ...tolerances import LEAST_LENGTH
 from .contract import Joint, Number, Numbers
-
-LEAST = 1e-9  # length [m] below which the places coincide
 
 
 @jit
@@ -49,7 +48,7 @@ def length_of(values: Mapping[str, Any], shift: Array) -> Numbers:
     """Return the given length, else the distance at the given start [m]."""
     given = values["length"]
     length = float(np.linalg.norm(shift)) if given is None else float(given)
-    if length < LEAST:
+    if length < LEAST_LENGTH:
         raise InputError(
             f": its places {values['between']} coincide at the start; expected a `length`, or a "
             "spherical joint"
