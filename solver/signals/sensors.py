@@ -327,7 +327,12 @@ def _measuring(
     if signal.kind == "rotor":
         return UNITS[signal.quantity], rotor_values(built, signal.quantity), None
     if signal.kind == "strength_ratio" or signal.kind == "exposure":
-        return "-", strength_values(key, *_body(built, signal.body), signal), None
+        worst = np.min if signal.kind == "strength_ratio" else np.max
+        parts = [
+            strength_values(key, *_body(built, part), signal)
+            for part in signal.segments or [signal.body]
+        ]
+        return "-", lambda recording: worst([part(recording) for part in parts], axis=0), None
     if signal.kind == "ply_stress":
         return "Pa", *ply_stress_values(key, built, *_body(built, signal.body), signal)
     if signal.kind == "resultant":

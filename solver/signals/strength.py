@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from ..inputs.case.tables.signals import StrengthSignal
 
 
-# In the memory of a recording, a table: the first values under a key note which points govern,
-# later ones are those of the same points. A derivative needs no search.
+# In the memory of a recording, a table: the first values under a key and a body note which points
+# govern, later ones are those of the same points. A derivative needs no search.
 HELD = "governing points"
 
 
@@ -59,9 +59,9 @@ def strength_values(
         q, held = recording.modes(body), recording.memory.get(HELD)
         if held is None:
             return envelope(places, q)[0]
-        if key in held:
-            return exposures_at(places, held[key], q)
-        top, held[key] = envelope(places, q)
+        if (key, body) in held:
+            return exposures_at(places, held[key, body], q)
+        top, held[key, body] = envelope(places, q)
         return top
 
     if signal.kind == "exposure":

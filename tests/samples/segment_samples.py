@@ -16,7 +16,8 @@ from plymotion.solver.inputs.case.tables.schema import Mechanism
 from plymotion.solver.package import ModalPackage, SectionData
 from plymotion.solver.run.inputs import RunSpec
 
-MATERIAL = {"kind": "isotropic", "E": 1.0, "nu": 0.0, "rho": 1.0}  # not used: matrices are given
+# Not used: matrices are given.
+MATERIAL = {"kind": "isotropic", "E": 1.0, "nu": 0.0, "rho": 1.0, "strength": {"yield_stress": 1.0}}
 SECTION = {"shape": "rectangle", "width": 0.1, "height": 0.1}
 
 

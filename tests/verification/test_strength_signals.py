@@ -17,6 +17,7 @@ from samples.recovery_samples import (
     plies_of,
     rectangle_recovery,
 )
+from samples.segment_samples import cantilever, run_of
 
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.case.load import load_case
@@ -28,7 +29,7 @@ from plymotion.solver.package import ModalPackage
 from plymotion.solver.package.common.recovery_schema import SectionRecovery
 from plymotion.solver.package.section.stress import strengths
 from plymotion.solver.run.execution import read_run
-from plymotion.solver.signals import Recording, sensors
+from plymotion.solver.signals import HELD, Recording, sensors
 from plymotion.solver.strength import criteria_of
 from plymotion.solver.strength.found import summary
 
@@ -158,6 +159,29 @@ def test_lowest_of_a_beam_at_every_instant(arm: tuple[BuiltMechanism, ModalPacka
     found = values(built, package, q, kind="exposure", x=x)
     here = np.max([e[4].max(axis=1) for e in every.values()], axis=0)
     assert found == pytest.approx(here, rel=1e-9)
+
+
+@pytest.mark.parametrize(("kind", "worst"), [("exposure", np.max), ("strength_ratio", np.min)])
+def test_without_a_place_all_segments_of_a_beam_count(kind, worst) -> None:
+    """The most exposed of segments that move each on its own, at every instant."""
+    asked = {"kind": kind, "body": "beam"}
+    K = np.diag([1e5, 1e5, 1e5, 50.0, 200.0, 30.0])
+    spec = run_of(cantilever(3, 1.0, signals={"whole": asked}), (K, 1e-3 * np.eye(6)))
+    packages = {name: with_section(package, LAYUP) for name, package in spec.packages.items()}
+    built = build(spec.mechanism, packages)
+    parts = {
+        name: StrengthSignal.model_validate(asked | {"body": name})
+        for name in ("beam-1", "beam-2", "beam-3")
+    }
+    y = np.random.default_rng(3).normal(size=(9, built.model.n_pos + built.model.n_vel + 1))
+    for memory in ({}, {HELD: {}}):
+        recording = Recording(built.model, np.arange(9.0), y, memory)
+        found = sensors(built, spec.mechanism.signals | parts)
+        for _ in range(2):  # the governing points are noted for each segment
+            of_parts = [found[name].values(recording) for name in parts]
+            np.testing.assert_allclose(
+                found["whole"].values(recording), worst(of_parts, axis=0), rtol=1e-12
+            )
 
 
 def test_ranking_of_plies_is_that_of_looking_everywhere(

@@ -259,7 +259,10 @@ def _signal(
         frame = divided[owner].frame(interface, signal.get("seen_from"))
         signal = {**signal, "seen_from": None, "frame": frame}
     owner = str(signal.get("body"))
-    if owner in divided:
+    if owner in divided and signal["x"] is None:
+        segments = list(divided[owner].bodies())
+        signal = {**signal, "body": segments[0], "segments": segments}
+    elif owner in divided:
         segment, x = divided[owner].segment_at(signal["x"])
         signal = {**signal, "body": segment, "x": x}
         if signal.get("method") == "auto" and is_plain(divided[owner].body):

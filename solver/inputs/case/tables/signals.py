@@ -205,6 +205,9 @@ class StrengthSignal(Measured):
         "exposure: 1 / R"
     )
     body: Name = entry("name of a flexible body whose materials have strengths")
+    segments: list[Name] | None = optional(
+        "of the body, all of which are meant; written by `check`, not for users"
+    )
     x: float | None = optional("place along a beam; absent: all stations", "m")
     region: str | None = optional("region of the section, or laminate of a shell; absent: all")
     ply: int | None = optional(
