@@ -195,3 +195,28 @@ def test_modes_of_a_calculix_shell(tmp_path: Path) -> None:
     }
     package = imported(reduction, tmp_path, "plate.toml")
     np.testing.assert_allclose(package.frequencies, 2.0 * np.pi * np.array([10.0]))
+
+
+def test_sets_of_sets_whose_names_differ_in_capitals(tmp_path: Path) -> None:
+    """CalculiX takes capitals for small letters; a set of such a name lost its nodes."""
+    (tmp_path / "plate.frd").write_text(
+        "  100CL  101 1.00000E+01           4                     2    1MODAL      1\n"
+        " -4  DISP        4    1\n -3\n"
+    )
+    sets = "*NSET, NSET=Root\n10\n*NSET, NSET=both\nROOT, 47\n*ELSET, ELSET=Chosen\nplate\n"
+    deck = SHELL_DECK.replace("*MATERIAL", f"{sets}*MATERIAL")
+    deck = deck.replace("SECTION, ELSET=PLATE", "SECTION, ELSET=CHOSEN")
+    (tmp_path / "plate.inp").write_text(deck)
+    found = read_modes(Files({"deck": "plate.inp"}, tmp_path, "plate.toml"))
+    assert found.groups["both"].tolist() == [0, 3]
+    assert found.mass is not None
+    assert found.mass.sum() == pytest.approx(1000.0)
+    for old, new, words in (
+        ("ROOT, 47", "RIGHT, 47", r"NSET=both: RIGHT: expected a number, or the name of a set"),
+        ("ELSET=CHOSEN", "ELSET=OTHER", "element 7: no .SHELL SECTION has it in its ELSET"),
+        ("MATERIAL=M\n0.5\n", "MATERIAL=M, NODAL THICKNESS\n", "expected its thickness"),
+    ):
+        assert old in deck
+        (tmp_path / "plate.inp").write_text(deck.replace(old, new))
+        with pytest.raises(InputError, match=words):
+            read_modes(Files({"deck": "plate.inp"}, tmp_path, "plate.toml"))

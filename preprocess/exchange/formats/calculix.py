@@ -39,15 +39,14 @@ WIDTH, FIRST = 12, 13  # columns of a value, and of the first one
 
 @dataclass
 class Deck:
-    """Mesh of a deck, in its labels; an element is its type, nodes and set."""
+    """Mesh of a deck, in its labels; an element is its type and nodes, `sets` are of elements."""
 
     file: Path
     labels: list[int] = field(default_factory=list)
     points: list[list[float]] = field(default_factory=list)
-    elements: dict[int, tuple[str, list[int], str]] = field(
-        default_factory=dict
-    )  # type, nodes, set
+    elements: dict[int, tuple[str, list[int]]] = field(default_factory=dict)
     groups: dict[str, list[int]] = field(default_factory=dict)
+    sets: dict[str, list[int]] = field(default_factory=dict)
     cards: list[tuple[str, dict[str, str], list[list[str]]]] = field(default_factory=list)
 
     def mesh(self) -> tuple[IntArray, Array, Cells, dict[str, IntArray]]:
@@ -55,7 +54,7 @@ class Deck:
         ids = np.array(self.labels, dtype=np.int64)
         known = set(self.labels)
         cells, types = [], []
-        for kind, nodes, _ in self.elements.values():
+        for kind, nodes in self.elements.values():
             if kind in TYPES:
                 row = rows_of(np.array(nodes), ids, f"{self.file}: *ELEMENT")
                 cells.append(row.tolist())
@@ -76,8 +75,9 @@ def read_deck(file: Path) -> Deck:
             _nodes(deck, options, lines)
         elif keyword == "ELEMENT":
             _elements(deck, options, lines)
-        elif keyword == "NSET":
-            _set(deck, options, lines)
+        elif keyword in ("NSET", "ELSET"):
+            known = deck.groups if keyword == "NSET" else deck.sets
+            _set(deck, keyword, known, options, lines)
         else:
             deck.cards.append((keyword, options, lines))
     if not deck.labels:
@@ -122,7 +122,7 @@ def _nodes(deck: Deck, options: dict[str, str], lines: list[list[str]]) -> None:
         deck.labels.append(label)
         deck.points.append([*point, *[0.0] * (3 - len(point))])
         if "NSET" in options:
-            deck.groups.setdefault(options["NSET"], []).append(label)
+            _named(deck.groups, options["NSET"]).append(label)
 
 
 def _elements(deck: Deck, options: dict[str, str], lines: list[list[str]]) -> None:
@@ -130,7 +130,7 @@ def _elements(deck: Deck, options: dict[str, str], lines: list[list[str]]) -> No
     kind = next((name.removesuffix(s) for s in SUFFIXES if name.removesuffix(s) in TYPES), name)
     numbers = [int(part) for row in lines for part in row if part]
     if kind not in TYPES:
-        deck.elements.update({row: (kind, [], "") for row in (int(r[0]) for r in lines if r[0])})
+        deck.elements.update({row: (kind, []) for row in (int(r[0]) for r in lines if r[0])})
         return
     size = 1 + TYPES[kind][1]
     if len(numbers) % size:
@@ -139,23 +139,39 @@ def _elements(deck: Deck, options: dict[str, str], lines: list[list[str]]) -> No
             "element"
         )
     for i in range(0, len(numbers), size):
-        elset = options.get("ELSET", "")
-        deck.elements[numbers[i]] = kind, numbers[i + 1 : i + size], elset
+        deck.elements[numbers[i]] = kind, numbers[i + 1 : i + size]
+        _named(deck.sets, options.get("ELSET", "")).append(numbers[i])
 
 
-def _set(deck: Deck, options: dict[str, str], lines: list[list[str]]) -> None:
-    nodes = deck.groups.setdefault(options.get("NSET", ""), [])
+def _named(sets: dict[str, list[int]], name: str) -> list[int]:
+    """The set of this name, in capitals or not; a new one if there is none."""
+    same = (known for known in sets if known.upper() == name.upper())
+    return sets.setdefault(next(same, name), [])
+
+
+def _set(
+    deck: Deck,
+    keyword: str,
+    known: dict[str, list[int]],
+    options: dict[str, str],
+    lines: list[list[str]],
+) -> None:
+    """Labels of a set of nodes or elements; `known` are the others of its kind."""
+    members = _named(known, options.get(keyword, ""))
     for row in lines:
         words = [word for word in row if word]
         if "GENERATE" in options:
             first, last, *step = map(int, words)
-            nodes += range(first, last + 1, step[0] if step else 1)
+            members += range(first, last + 1, step[0] if step else 1)
             continue
         for word in words:
-            if word.isdecimal():
-                nodes.append(int(word))
-            elif word in deck.groups:
-                nodes += deck.groups[word]
+            labels = [int(word)] if word.isdecimal() else list(_named(known, word))
+            if not labels:
+                raise InputError(
+                    f"{deck.file}: *{keyword}, {keyword}={options.get(keyword, '')}: {word}: "
+                    "expected a number, or the name of a set that is defined before"
+                )
+            members += labels
 
 
 def read(files: Files) -> FreeBody:
@@ -166,7 +182,7 @@ def read(files: Files) -> FreeBody:
     """
     files.only(("deck",), tuple(BESIDE))
     deck = read_deck(files.path("deck"))
-    for label, (kind, _, _) in deck.elements.items():
+    for label, (kind, _) in deck.elements.items():
         if kind not in SOLIDS:
             hint = 'import shells by their modes, from = "calculix-modes"'
             raise InputError(
@@ -220,7 +236,7 @@ def read_modes(files: Files) -> ModalBody:
     """
     files.only(("deck",), ("modes",))
     deck = read_deck(files.path("deck"))
-    for label, (kind, _, _) in deck.elements.items():
+    for label, (kind, _) in deck.elements.items():
         if kind not in SHELLS:
             raise InputError(f"{deck.file}: element {label} of type {kind}: expected shells")
     files.beside_deck("modes", ".frd")
@@ -261,7 +277,7 @@ def _modes(path: Path, row_of: dict[int, int]) -> tuple[Array, Array]:
 def _masses(deck: Deck, nodes: Array, cells: Cells) -> Array:
     """Mass of each node from areas, thicknesses and densities, (n,)."""
     density, name = dict[str, float](), ""
-    surface: dict[str, float] = {}  # set of elements -> mass per area
+    surface: dict[int, float] = {}  # element -> mass per area
     for keyword, options, lines in deck.cards:
         if keyword == "MATERIAL":
             name = options.get("NAME", "").upper()
@@ -273,17 +289,16 @@ def _masses(deck: Deck, nodes: Array, cells: Cells) -> Array:
         plies = [(float(row[0]), options.get("MATERIAL", "").upper()) for row in lines[:1]]
         if "COMPOSITE" in options:
             plies = [(float(row[0]), row[2].upper()) for row in lines]
+        if not plies or "NODAL THICKNESS" in options:
+            raise InputError(f"{deck.file}: *SHELL SECTION: expected its thickness in a data line")
         for _, material in plies:
             if material not in density:
                 raise InputError(f"{deck.file}: *MATERIAL, NAME={material}: no *DENSITY")
         total = sum(thickness * density[material] for thickness, material in plies)
-        surface[options.get("ELSET", "").upper()] = total
+        surface.update(dict.fromkeys(_named(deck.sets, options.get("ELSET", "")), total))
     mass = np.zeros(len(nodes))
-    for (label, (_, _, elset)), (_, rows) in zip(deck.elements.items(), cells.each(), strict=True):
-        if elset.upper() not in surface:
-            raise InputError(
-                f"{deck.file}: element {label}: no *SHELL SECTION with ELSET={elset or '(none)'}"
-            )
-        share = np.array(SHARES[len(rows)])
-        mass[rows] += surface[elset.upper()] * face_area(nodes[rows]) * share
+    for label, (_, rows) in zip(deck.elements, cells.each(), strict=True):
+        if label not in surface:
+            raise InputError(f"{deck.file}: element {label}: no *SHELL SECTION has it in its ELSET")
+        mass[rows] += surface[label] * face_area(nodes[rows]) * np.array(SHARES[len(rows)])
     return mass
