@@ -263,6 +263,7 @@ def test_angles_count_from_the_first_side(tmp_path: Path, theta: str, e1: list[f
     [
         ({"theta": "5"}, "CQUAD4 1: MCID = 5: a coordinate system of its own"),
         ({"theta": ",0.2"}, "CQUAD4 1: ZOFFS"),
+        ({"theta": ",\n,,,0.1,0.1,0.2,0.2"}, "CQUAD4 1: thicknesses of its own"),
         ({"lam": "MEM"}, "PCOMP 7: LAM = MEM"),
     ],
 )
@@ -286,3 +287,6 @@ def test_other_properties(tmp_path: Path) -> None:
     found = deck(tmp_path, metal)
     assert isinstance(found, Layups)
     assert found.materials["MAT 1"] == {"kind": "isotropic", "E": 70e3, "nu": 0.3, "rho": 2.7e-9}
+    by_G = deck(tmp_path, metal.replace("70.+3,,0.3", ",28.+3,0.25"))
+    assert isinstance(by_G, Layups)
+    assert by_G.materials["MAT 1"]["E"] == pytest.approx(70e3)

@@ -87,6 +87,7 @@ def test_bulk_data_in_its_three_formats(tmp_path: Path) -> None:
     ("line", "message"),
     [
         ("GRID,9,2,0.,0.,0.", "GRID 9 has a coordinate system of its own"),
+        ("GRDSET,,2", "GRDSET has a coordinate system of its own"),
         ("GRID,9,,0.,0.,0.,4", "GRID 9 has a coordinate system of its own"),
         ("SPOINT,12", "SPOINT: expected grid points only"),
         ("GRID,9,,a.,0.,0.", "GRID: expected a number, found 'a.'"),

@@ -57,13 +57,15 @@ def read_bulk_data(path: Path, cards: Sequence[Card]) -> tuple[IntArray, Array, 
     cells: list[list[int]] = []
     types: list[int] = []
     for card, fields in cards:
+        if card in ("GRID", "GRDSET") and any(
+            fields[k] not in ("", "0") for k in (1, 5) if k < len(fields)
+        ):
+            raise InputError(
+                f"{path}: {f'{card} {fields[0]}'.rstrip()} has a coordinate system of its own "
+                "(CP or CD); expected the basic one"
+            )
         if card == "GRID":
             label = int(fields[0])
-            if any(fields[k] not in ("", "0") for k in (1, 5) if k < len(fields)):
-                raise InputError(
-                    f"{path}: GRID {label} has a coordinate system of its own (CP or CD); expected "
-                    "the basic one"
-                )
             values = [*fields[2:5], "", "", ""][:3]
             points[label] = [real(text, path, card) for text in values]
         elif card == "SPOINT":
@@ -368,6 +370,7 @@ def _material(by_id: dict[tuple[str, str], list[str]], number: str, path: Path) 
         E, G, nu, rho = (real(text, path, "MAT1") for text in by_id["MAT1", number][1:5])
         if not nu and G:
             nu = E / (2.0 * G) - 1.0
+        E = E or 2.0 * G * (1.0 + nu)
         return {"kind": "isotropic", "E": E, "nu": nu, "rho": rho}
     if ("MAT8", number) not in by_id:
         raise NotRead(f"material {number} is no MAT8 or MAT1")
@@ -391,6 +394,8 @@ def _axes(corners: Array, name: str, fields: list[str], path: Path) -> Array:
     label = f"{name} {fields[0]}"
     if offset and real(offset, path, name):
         raise NotRead(f"{label}: ZOFFS")
+    if any(fields[10:14]):
+        raise NotRead(f"{label}: thicknesses of its own")
     e3 = np.cross(corners[2] - corners[0], corners[-1] - corners[1])  # also of triangles
     e3 /= np.linalg.norm(e3)
     along = corners[1] - corners[0]
