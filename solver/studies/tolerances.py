@@ -85,3 +85,13 @@ LEAST_OVERLAP = 0.1
 ALIKE_OVERLAP = 0.8
 OVERDAMPED = 0.99
 CROSSING_FOUND = 1e-7
+
+# Entry of a section over the root of the product of its diagonal entries: rounding, as both DOLFINx
+# agree to it.
+# Test: tests/unit/test_design.py::test_an_entry_that_symmetry_makes_zero_is_zero
+NO_COUPLING = 1e-9
+
+# Change of an objective that is none, relative: by other designs, and by its derivatives over the
+# range of a parameter.
+# Test: tests/unit/test_design.py::test_an_objective_that_depends_on_nothing_is_named
+SAME_OBJECTIVE = 1e-9

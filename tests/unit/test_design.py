@@ -11,6 +11,7 @@ from plymotion.solver.inputs.case.design import CheckedStudy
 from plymotion.solver.inputs.case.load import checked_case
 from plymotion.solver.inputs.case.tables.design_keys import Quantity
 from plymotion.solver.math.arrays import Array
+from plymotion.solver.studies.design.design_text import outcome_lines
 from plymotion.solver.studies.design.drivers.table import DRIVERS
 from plymotion.solver.studies.design.measures import Mass, Measure, measure_of
 from plymotion.solver.studies.design.problem import Options, Problem, Values
@@ -301,6 +302,42 @@ def test_a_start_beyond_its_limits_goes_back_to_them() -> None:
     assert start.best is not None
     assert start.best.violation < 1e-4
     assert start.best.merit < 230.0
+
+
+def test_an_entry_that_symmetry_makes_zero_is_zero() -> None:
+    """An optimiser would follow its rounding from design to design."""
+    K = np.diag([1e7, 1e6, 1e6, 1e2, 1e3, 1e3])
+    K[0, 3] = K[3, 0] = 3e-10 * np.sqrt(K[0, 0] * K[3, 3])
+    for entry in ("K14", "S14"):
+        values, weights = _measure(section="b", entry=entry).reduce(K, T)
+        assert not values.any()
+        assert not weights.any()
+    K[0, 3] = K[3, 0] = 3e-9 * np.sqrt(K[0, 0] * K[3, 3])
+    values, weights = _measure(section="b", entry="K14").reduce(K, T)
+    assert values == K[0, 3]
+    assert weights[0, 0, 3] == 1.0
+
+
+def test_an_objective_that_depends_on_nothing_is_named() -> None:
+    point = {"merit": 0.31, "violation": 0.0, "shown": [0.31], "p": [20.0], "values": {"a": 20.0}}
+    study: dict[str, Any] = {
+        "study": "light",
+        "sense": "minimise",
+        "measures": [{"words": "mass arm", "unit": "kg", "least": None, "most": None}],
+        "parameters": {"a": {"unit": "deg", "names": [], "range": [-90.0, 90.0]}},
+        "start": {"p": [20.0], "shown": [0.31]},
+        "optimum": point,
+        "sensitivities": {"start": [[0.0]], "optimum": [[0.0]]},
+        "gradient": "exact",
+        "starts": [{"best": point, "computed": 1, "history": [point], "invalid": []}],
+    }
+    text = "\n".join(outcome_lines(study, Path("build")))
+    assert (
+        "the objective was 0.31 for all designs, with derivatives of zero: does it depend" in text
+    )
+    # at a bound, one design is all that there is, with a derivative
+    study["sensitivities"] = {"start": [[1e-9]], "optimum": [[1e-9]]}
+    assert "does it depend" not in "\n".join(outcome_lines(study, Path("build")))
 
 
 def test_rules_that_no_allowed_design_follows_are_named() -> None:

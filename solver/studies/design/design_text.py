@@ -5,9 +5,12 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from ...errors import counted
 from ...inputs.case.tables.schema import split_key
 from ...report.table import aligned
+from ..tolerances import SAME_OBJECTIVE
 from .problem import FEASIBLE
 
 
@@ -48,6 +51,11 @@ def outcome_lines(study: Mapping[str, Any], folder: Path) -> list[str]:
             "no design was found that satisfies all limits: this one breaks one by "
             f"{best['violation']:.3g} of it"
         )
+    if _constant(study):
+        lines.append(
+            f"the objective was {best['shown'][0]:.6g} for all designs, with derivatives of zero: "
+            f"does it depend on {', '.join(study['parameters'])}?"
+        )
     if verified.get("why"):
         lines.append(f"not verified: {verified['why']}")
     if "plan" in study:
@@ -59,6 +67,17 @@ def outcome_lines(study: Mapping[str, Any], folder: Path) -> list[str]:
         lines.append(f"{counted(len(invalid), 'kind')} of invalid designs, such as: {invalid[0]}")
     lines.append(f"gradient: {study['gradient']}")
     return lines
+
+
+def _constant(study: Mapping[str, Any]) -> bool:
+    """Return whether neither designs nor derivatives changed the objective."""
+    merits = np.array([point["merit"] for start in study["starts"] for point in start["history"]])
+    low, high = np.array([each["range"] for each in study["parameters"].values()]).T
+    slopes = [by[0] * (high - low) for by in study["sensitivities"].values() if by]
+    if not merits.size or not slopes:
+        return False
+    change = max(float(np.ptp(merits)), float(np.abs(slopes).max()))
+    return change <= SAME_OBJECTIVE * float(np.abs(merits).max())
 
 
 def variant_text(study: Mapping[str, Any]) -> str:

@@ -25,6 +25,7 @@ from ...package.body.selection import vibrations
 from ...run.inputs import RunSpec
 from ...signals import Sensor
 from ...signals.strength import strength_values
+from ..tolerances import NO_COUPLING
 
 MOST_PEAKS = 8  # local peaks of a measure, the highest first, which are constraints of their own
 SHARPNESS = 200.0  # of the lowest of several eigenvalues: 0.17 % of a frequency for two equal ones
@@ -125,15 +126,17 @@ class SectionEntry(Measure):
         return np.asarray(sections[0].K)
 
     def reduce(self, raw: Array, t: Array) -> tuple[Array, Array]:
-        """d(K^-1)_ij = -K^-1 dK K^-1."""
+        """d(K^-1)_ij = -K^-1 dK K^-1; both are zero where the entry is rounding."""
         name = str(self.quantity.entry)
         i, j = int(name[1]) - 1, int(name[2]) - 1
         if name[0] == "K":
-            weights = np.zeros((1, 6, 6))
-            weights[0, i, j] = 1.0
-            return raw[[i], [j]], weights
-        S = np.linalg.inv(raw)
-        return np.asarray(S[[i], [j]]), -np.outer(S[i], S[:, j])[None]
+            matrix, weights = raw, np.zeros((6, 6))
+            weights[i, j] = 1.0
+        else:
+            matrix = np.linalg.inv(raw)
+            weights = -np.outer(matrix[i], matrix[:, j])
+        couples = abs(matrix[i, j]) > NO_COUPLING * np.sqrt(matrix[i, i] * matrix[j, j])
+        return couples * matrix[[i], [j]], couples * weights[None]
 
 
 class Frequency(Measure):
