@@ -21,6 +21,17 @@ PROCESSES = ("cores", "cpus", "nproc", "parallel", "processes", "threads", "work
 EXIT_CODE = "exit code: 0 done; 2 something is wrong with the input."
 
 
+class HelpText(argparse.RawDescriptionHelpFormatter):
+    """Text as wide as the terminal; argparse imports shutil for it, 1 ms of every command."""
+
+    def __init__(self, prog: str) -> None:
+        width = os.environ.get("COLUMNS", "")
+        columns = int(width) if width.isdecimal() else 0
+        with contextlib.suppress(OSError):  # no terminal
+            columns = columns or os.get_terminal_size().columns
+        super().__init__(prog, width=(columns or 80) - 2)
+
+
 class CommandParser(argparse.ArgumentParser):
     """A parser that proposes the nearest command or option for one that does not exist."""
 
@@ -97,7 +108,7 @@ def command(name: str, call: str, epilog: str = "") -> Callable[[Declare], Decla
                 help=title[:1].lower() + title[1:].rstrip("."),
                 description=before.strip() or title,
                 epilog=after,
-                formatter_class=argparse.RawDescriptionHelpFormatter,
+                formatter_class=HelpText,
             )
             parser.set_defaults(command=call)
             declare(parser)

@@ -11,7 +11,7 @@ from plymotion import __version__
 from ..system.interrupts import starting
 from . import body_arguments as bodies
 from . import case_arguments as cases
-from .arguments import COMMAND, CommandParser, command, flag
+from .arguments import COMMAND, CommandParser, HelpText, command, flag
 from .heartbeat import Heartbeat
 
 EPILOG = """\
@@ -77,7 +77,7 @@ def parser(name: str = "") -> CommandParser:
         description="Flexible multibody dynamics with laminated members.\n"
         "`plymotion CASE.toml` goes from a case file to its report; commands do parts of it.",
         epilog=EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        formatter_class=HelpText,
     )
     parser.add_argument("--version", action="version", version=f"plymotion {__version__}")
     commands = parser.add_subparsers(required=True, metavar=COMMAND, prog="plymotion")

@@ -24,7 +24,7 @@ from ..dynamics.evaluation.evaluation import (
 )
 from ..dynamics.model.model import Model, spare_workspace, state_size
 from ..dynamics.tolerances import ONE_INSTANT
-from ..math.arrays import Array
+from ..math.arrays import Array, distinct
 from ..math.compiled import COMPILED
 from .compiled import step_control as codes
 from .compiled.closing import close
@@ -61,10 +61,11 @@ PLACES = ("_begun", "_stood", "_ends")  # no part of what a loop goes on from
 
 
 def _among(times: Array, sharp: Array | None) -> Any:
-    """Return which times are sharp; where there are none, not by `isin`: it imports numpy.ma."""
-    if sharp is None or not len(times):
+    """Return which times are sharp. `np.isin` would import numpy.ma: 6 ms."""
+    if sharp is None or not len(sharp):
         return np.zeros(len(times), dtype=bool)
-    return np.isin(times, sharp)
+    known = distinct(sharp)
+    return known[np.minimum(np.searchsorted(known, times), len(known) - 1)] == times
 
 
 class StrideMemory(Integrator):
@@ -307,7 +308,7 @@ class StepLoop(StrideMemory):
             most, self._pace = max(steps - 1, 1), max(steps, FEW)
             broken = unseen if len(unseen) > 1 else []  # forces have other rates behind it
             sharp = np.append(self._options.kinks[self._options.sharp], broken)
-            sharp = np.isin(self._kinks, sharp)
+            sharp = _among(self._kinks, sharp)
             self._options = self._options._replace(kinks=self._kinks, sharp=sharp)
             self._workspace.clock[codes.KINK] = 0.0
             if keep:  # the steps are taken again from here, with the stops

@@ -137,10 +137,9 @@ class DiskCache(NamedTuple):
         where = self.made()
         if where is None:
             return False
-        import tempfile  # a process that finds all it needs writes nothing
-
+        temporary = where / f".new-{os.getpid()}-{time.monotonic_ns()}"  # tempfile: 4 ms to import
         try:
-            handle, temporary = tempfile.mkstemp(dir=where, prefix=".new-")
+            handle = os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
             try:
                 with os.fdopen(handle, "wb") as file:
                     file.write(hashlib.sha256(content).hexdigest().encode() + b"\n" + content)

@@ -375,6 +375,8 @@ class Turning:
     def evaluated(self) -> tuple[Equations, Array]:
         """Return the equations, and the forces (n_vel,) less those that the spin takes."""
         equations = assemble(self.model, self.t, self.y)
+        if not self.spin.rate:
+            return equations, equations.f
         a = spin_accelerations(self.model, self.positions, self.spin)
         return equations, equations.f - equations.M @ a
 

@@ -12,7 +12,14 @@ import numpy as np
 
 from ..math.arrays import Array, IntArray
 from ..math.rows import LongRows
-from ..package.common.container import as_text, is_text, set_text, text_array
+from ..package.common.container import (
+    as_text,
+    is_text,
+    new_dataset,
+    set_numbers,
+    set_text,
+    text_array,
+)
 from ..package.common.dataset import build, field_values, layout
 from ..package.common.plain_data import plain
 from .run_result import BodyGeometry, BodyView, Link, Loads, ResultError, Side, Sites, Surface
@@ -134,7 +141,7 @@ class Datasets:
                 self._report(values.nbytes * (end - first) // values.shape[0])
             self.written[dataset.name.lstrip("/")] = values
         else:
-            dataset = group.create_dataset(name, data=np.asarray(values))
+            dataset = new_dataset(group, name, np.asarray(values))
             self._report(values.nbytes)
         for key, word in (("unit", unit), ("frame", frame), ("description", text)):
             set_text(dataset, key, word)
@@ -175,7 +182,7 @@ def write_record(group: h5py.Group, record: Record, layout: Layout) -> None:
         if isinstance(value, str):
             set_text(item, key, value)
         else:
-            item.attrs[key] = value
+            set_numbers(item, key, value)
 
 
 def read_record(group: h5py.Group) -> dict[str, object]:
@@ -299,8 +306,10 @@ def put_array(group: h5py.Group, name: str, values: Any, texts: tuple[str, ...])
     texts : unit, frame and description
     """
     array = np.asarray(values)
-    squeeze = {"compression": "gzip", "shuffle": True} if array.nbytes > RECORD_BYTES else {}
-    dataset = group.create_dataset(name, data=array, **squeeze)
+    if array.nbytes > RECORD_BYTES:
+        dataset = group.create_dataset(name, data=array, compression="gzip", shuffle=True)
+    else:
+        dataset = new_dataset(group, name, array)
     for key, word in zip(("unit", "frame", "description"), texts, strict=False):
         set_text(dataset, key, word)
 

@@ -17,6 +17,7 @@ from ..package.common.container import (
     get_text,
     new_file,
     open_file,
+    set_numbers,
     set_text,
 )
 from ..package.common.dataset import field_values
@@ -102,7 +103,7 @@ def write_result(
         many = max(len(result.bodies), len(result.links)) > MOST_GROUPS
         many |= len(result.signals) > MOST_NAMED
         version = TABLES_VERSION if many else FORMAT_VERSION
-        file.attrs["format_version"] = np.array(version, dtype=np.int64)
+        set_numbers(file, "format_version", version)
         set_text(file, "case", result.case)
         set_text(file, "run", result.run)
         set_text(file, "units", "SI")
@@ -153,7 +154,7 @@ def _write_results(
         item = put(
             group, f"signals/{signal.name}", signal.values, signal.unit, "-", signal.description
         )
-        item.attrs["index"] = index
+        set_numbers(item, "index", index)
     _write_records(group, "bodies", result.bodies, _body_record)
     _write_records(group, "joints", result.links, link_record)
     if result.loads is not None:
@@ -195,7 +196,7 @@ def _write_records(
         return
     for index, item in enumerate(items):
         own = group.create_group(f"{name}/{item.name}")
-        own.attrs["index"] = index
+        set_numbers(own, "index", index)
         write_record(own, record(item), LAYOUT)
 
 

@@ -89,7 +89,7 @@ class BodyStrength(NamedTuple):
     @property
     def governing(self) -> CriticalPoint:
         """The lowest strength ratio of all criteria."""
-        return min(self.worst.values(), key=lambda peak: peak.ratio)
+        return max(self.worst.values(), key=lambda peak: peak.exposure)
 
 
 def ranked(
@@ -105,13 +105,13 @@ def ranked(
     worst: dict[str, CriticalPoint] = {}
     weakest: dict[Ply, CriticalPoint] = {}
     for (ply, name), peak in peaks.items():
-        if name not in worst or peak.ratio < worst[name].ratio:
+        if name not in worst or peak.exposure > worst[name].exposure:
             worst[name] = peak
-        if ply not in weakest or peak.ratio < weakest[ply].ratio:
+        if ply not in weakest or peak.exposure > weakest[ply].exposure:
             weakest[ply] = peak
     if not worst:
         return None
-    plies = tuple(sorted(weakest.values(), key=lambda peak: peak.ratio))
+    plies = tuple(sorted(weakest.values(), key=lambda peak: -peak.exposure))
     return BodyStrength(
         station_x, exposure, {name: worst[name] for name in exposure if name in worst}, plies
     )

@@ -256,6 +256,8 @@ def governing_points(points: Points, resultants_E: Array, q: Array) -> IntArray:
     resultants_E : (s, j, m) per unit mode, of the sites that have these points
     q : (t, m) modal coordinates
     """
+    if not points.strengths:
+        return np.zeros(0, dtype=np.int64)
     own = np.flatnonzero(np.isin(points.ply, list(points.strengths)))
     count = len(q) * len(resultants_E)
     if len(own) <= KEPT or not count:

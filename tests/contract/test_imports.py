@@ -171,8 +171,30 @@ def test_a_run_imports_what_it_uses(repository: Path, tmp_path: Path) -> None:
     loaded = set(done.stdout.split())
     assert not loaded & {"scipy", "pydantic", "matplotlib", "numba", "tqdm", "meshio", "pyvista"}
     assert not loaded & {"numpy.ma", "subprocess", "multiprocessing", "socket", "difflib"}
+    assert not loaded & {"shutil", "tempfile", "random", "numpy.random"}
     assert "plymotion.solver.report" not in loaded
     assert "plymotion.solver.inputs.case.load" not in loaded
+
+
+WITHOUT_MASKED_ARRAYS = """
+import sys
+import numpy as np
+from plymotion.solver.integrators.step_loop import _among
+from plymotion.solver.strength.search import Points, governing_points
+none = Points(np.zeros((0, 6, 6)), np.zeros(0, dtype=int), {})
+assert not governing_points(none, np.zeros((1, 6, 2)), np.zeros((3, 2))).size
+found = _among(np.array([0.0, 0.5, 2.0]), np.array([2.0, 1.0, 0.5]))
+assert found.tolist() == [False, True, True], found
+assert not _among(np.ones(2), np.zeros(0)).any()
+assert "numpy.ma" not in sys.modules
+"""
+
+
+def test_beams_of_given_matrices_and_sharp_stops_need_no_masked_arrays(repository: Path) -> None:
+    """Some functions of NumPy on sets import numpy.ma, which takes 6 ms."""
+    command = [sys.executable, "-c", WITHOUT_MASKED_ARRAYS]
+    done = subprocess.run(command, capture_output=True, text=True, cwd=repository)
+    assert done.returncode == 0, done.stderr
 
 
 COMMAND_AND_LIST = """

@@ -77,6 +77,17 @@ def test_the_nearest_word_is_proposed(
     assert message in capsys.readouterr().err
 
 
+def test_help_is_as_wide_as_asked(monkeypatch: pytest.MonkeyPatch) -> None:
+    longest = []
+    for columns in ("50", "120", "wide"):
+        monkeypatch.setenv("COLUMNS", columns)
+        text = parser("run").commands()["run"].format_help()
+        lines = text.partition("options:")[2].partition("with a case")[0].splitlines()
+        longest.append(max(len(line) for line in lines))
+    assert longest[0] <= 48 < longest[1] <= 118
+    assert longest[2] > 48  # that of the terminal, or 78
+
+
 def test_completion_without_shtab_says_what_is_missing(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

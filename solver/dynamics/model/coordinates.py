@@ -147,7 +147,10 @@ def spin_velocities(model: Model, positions: Array, spin: Spin) -> Array:
     positions : positions (n_pos or more,)
     spin : rotation about a fixed axis
     """
-    out, frames = np.zeros(model.n_vel), positions[np.add.outer(model.pos_start, np.arange(7))]
+    out = np.zeros(model.n_vel)
+    if not spin.rate:
+        return out
+    frames = positions[np.add.outer(model.pos_start, np.arange(7))]
     moves = (frames[:, :3] - spin.point) @ skew(spin.W).T
     turns = spin.W @ rotation_matrices(frames[:, 3:])
     out[np.add.outer(model.vel_start, np.arange(6))] = np.hstack([moves, turns])

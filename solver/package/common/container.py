@@ -182,8 +182,9 @@ WITH_GROUPS.set_create_intermediate_group(True)
 
 
 @cache
-def _kind_of_text(size: int) -> h5py.h5t.TypeID:
-    return h5py.h5t.py_create(h5py.string_dtype("utf-8", size), logical=True)
+def _kind_of_text(size: int) -> tuple[h5py.h5t.TypeID, np.dtype[Any]]:
+    dtype = h5py.string_dtype("utf-8", size)
+    return h5py.h5t.py_create(dtype, logical=True), dtype
 
 
 def set_text(item: h5py.HLObject, name: str, text: str) -> None:
@@ -198,10 +199,29 @@ def set_text(item: h5py.HLObject, name: str, text: str) -> None:
     raw = text.encode("utf-8")
     if len(raw) > MAX_ATTRIBUTE:
         raise ValueError(f"attribute {name} has {len(raw)} bytes, the limit is {MAX_ATTRIBUTE}")
-    kind, place = _kind_of_text(max(len(raw), 1)), name.encode("utf-8")
+    kind, dtype = _kind_of_text(max(len(raw), 1))
+    _set(item, name, kind, np.array(raw, dtype))
+
+
+def set_numbers(item: h5py.HLObject, name: str, values: Any) -> None:
+    """Store a number or an array as an attribute.
+
+    Parameters
+    ----------
+    item : group, dataset or file
+    name : name of the attribute
+    values : its value
+    """
+    array = np.asarray(values)
+    _set(item, name, h5py.h5t.py_create(array.dtype, logical=True), array)
+
+
+def _set(item: h5py.HLObject, name: str, kind: h5py.h5t.TypeID, value: np.ndarray) -> None:
+    place = name.encode("utf-8")
     if h5py.h5a.exists(item.id, place):
         h5py.h5a.delete(item.id, place)
-    h5py.h5a.create(item.id, place, kind, ONE).write(np.array(raw, kind.dtype), mtype=kind)
+    space = h5py.h5s.create_simple(value.shape) if value.shape else ONE
+    h5py.h5a.create(item.id, place, kind, space).write(value, mtype=kind)
 
 
 def as_text(value: Any) -> str:
@@ -303,7 +323,7 @@ def content_sha256(
         shape, size = data.shape, 8 * math.prod(data.shape)
         whole = not shape or size < AT_ONCE
         if whole:
-            data = np.asarray(data[()] if isinstance(data, h5py.Dataset) else data)
+            data = _values(data.id, shape) if isinstance(data, h5py.Dataset) else np.asarray(data)
             data = data if shape else data.reshape(1)
         if data.dtype.kind in "SOU":
             texts = (t if isinstance(t, bytes) else str(t).encode() for t in data.ravel().tolist())
@@ -336,13 +356,23 @@ def content_sha256(
     return digest.hexdigest()
 
 
+def _values(dataset: h5py.h5d.DatasetID, shape: tuple[int, ...]) -> np.ndarray:
+    if dataset.dtype.kind == "O" or 0 in shape:
+        return np.asarray(h5py.Dataset(dataset)[()])
+    data = np.empty(shape, dataset.dtype)
+    dataset.read(h5py.h5s.ALL, h5py.h5s.ALL, data)
+    return data
+
+
 def _attribute(item: h5py.HLObject, name: bytes) -> np.ndarray:
     attribute = h5py.h5a.open(item.id, name)
     kind, shape = attribute.get_type(), attribute.shape
-    text = isinstance(kind, h5py.h5t.TypeStringID) and not kind.is_variable_str()
-    if shape is None or not text or kind.get_strpad() != h5py.h5t.STR_NULLPAD:
+    plain = isinstance(kind, h5py.h5t.TypeIntegerID | h5py.h5t.TypeFloatID)
+    if isinstance(kind, h5py.h5t.TypeStringID) and not kind.is_variable_str():
+        plain = kind.get_strpad() == h5py.h5t.STR_NULLPAD
+    if shape is None or not plain:
         return np.asarray(item.attrs[name])
-    data = np.empty(shape, f"S{kind.get_size()}")
+    data = np.empty(shape, kind.dtype)
     attribute.read(data, mtype=kind)
     return data
 
