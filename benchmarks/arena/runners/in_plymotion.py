@@ -17,7 +17,7 @@ METHODS = {
     "gear": {"integrator": "gear", "max_order": 2},
 }
 RTOLS = {
-    "radau": [1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-9],
+    "radau": [1e-3, 3e-4, 1e-4, 1e-5, 1e-6, 1e-7, 1e-9],
     "rk8": [1e-4, 1e-6, 1e-8, 1e-10, 1e-12],
     "rk5": [1e-6],
     "generalized-alpha": [1e-3, 1e-5],
