@@ -100,7 +100,9 @@ class Explicit(Integrator):
         return kind(self.t_old, self.h, workspace.y_old.copy(), workspace.F.copy())
 
 
-def _derivative_into(run: Integrator, work: None, t: float, y: Array, out: Array) -> None:
+def _derivative_into(
+    run: Integrator, work: None, t: float, y: Array, out: Array, factorised: bool = False
+) -> None:
     out[:] = run.derivative(t, y)
 
 
@@ -113,6 +115,7 @@ def _project(run: Integrator, work: None, t: float, y: Array, *memory: Array) ->
 
 # The same source for the equations of an integrator in place of a model.
 _of_run: dict[str, object] = {"derivative_into": _derivative_into, "project": _project}
+_of_run["derivative_at"] = _derivative_into
 _of_run["fill_stages"] = rebound(fill_stages, **_of_run)
 _attempt_step: Any = rebound(attempt_step, **_of_run)
 _fill_polynomial: Any = rebound(fill_polynomial, **_of_run)

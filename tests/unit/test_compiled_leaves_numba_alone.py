@@ -26,7 +26,7 @@ from numba import njit
 INF, NAN = float("inf"), float("nan")
 NUMBERS = [0j, 1 + 2j, complex(INF, 0), complex(0, INF), complex(INF, NAN), complex(1e200, 1e200)]
 TEXTS = ["x * y", "x / y", "abs(x) + 0 * y", "x.real ** int(y.real)", "min(x.real, y.real)",
-         "np.array([1.0, 2.0])[int(x.real) - 1] + y"]
+         "np.array([1.0, 2.0])[int(x.real) - 1] + y", "np.ones(int(x.real)).sum() + y"]
 
 def outcome(function, x, y):
     try:

@@ -4,13 +4,17 @@ import itertools
 
 import numpy as np
 import pytest
-from samples.case_samples import case_runs
-from samples.coordinate_samples import DEFAULT, RADAU, carriage, force, run, wheel
+from samples.case_samples import case_runs, rigid
+from samples.coordinate_samples import DEFAULT, RADAU, WHEEL, carriage, force, run, wheel
 from scipy.integrate import solve_ivp
 
+from plymotion.solver.dynamics.evaluation.accelerations import sample_into
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.case.load import load_case
+from plymotion.solver.integrators import explicit
 from plymotion.solver.integrators.choice import make_integrator
+from plymotion.solver.integrators.compiled.explicit_loop import advance_explicit
+from plymotion.solver.math.compiled import rebound
 from plymotion.solver.run.execution import execute, read_run
 from plymotion.solver.run.preparation import prepare
 
@@ -130,6 +134,27 @@ def test_the_loop_samples_by_itself(tmp_path, integrator):
         made.take_up()
     assert made.counters.steps >= 199
     assert calls <= 4  # 200 steps in each, and one more before the last
+
+
+@pytest.mark.parametrize("integrator", ["rk5", "rk8"])
+def test_a_sample_goes_on_from_the_evaluation_of_its_step(tmp_path, monkeypatch, integrator):
+    """Unless outputs inside of the step came between; the motion of a pendulum is the same."""
+    known = []
+
+    def sample(*arguments):
+        known.append(arguments[-1])
+        sample_into(*arguments)
+
+    monkeypatch.setattr(explicit, "advance_explicit", rebound(advance_explicit, sample_into=sample))
+    text = WHEEL + rigid("wheel", 2.0, 0.5, {"a": (0.3, 0.1, 0.2)})
+    text += controller("axle", setpoint="1", proportional=9.0, derivative=1.0, sample_time=0.02)
+    _, expected, _ = run(tmp_path, text, 0.2, 0.2, f'integrator = "{integrator}"')
+    assert set(known) == {True}
+    known.clear()
+    _, found, _ = run(tmp_path, text, 0.2, 0.025, f'integrator = "{integrator}"')
+    assert known.count(False) == 6
+    for name in ("angle", "w"):
+        np.testing.assert_allclose(found[name][-1], expected[name][-1], rtol=1e-12)
 
 
 @pytest.mark.parametrize(

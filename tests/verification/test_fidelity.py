@@ -143,7 +143,8 @@ def test_all_modes_are_the_model_where_the_budget_does_not_split_an_error() -> N
         assert not checking.promote()
         patch.setattr(Checking, "left", lambda _: 10.0 * check.cpu)
         assert checking.promote()  # nothing is left but the check
-    assert answer.check.plan == replace(check.plan, rtol=check.plan.rtol / 3.0)
+    assert answer.check.plan == replace(check.plan, rtol=answer.check.plan.rtol)
+    assert answer.check.plan.rtol == pytest.approx(check.plan.rtol / 3.0, rel=1e-15)
 
 
 def test_a_tighter_request_takes_more_of_the_model() -> None:

@@ -324,7 +324,7 @@ def by_blocks(model: Model) -> bool:
 
 
 @inlined
-def accelerate(model: Model, work: Workspace, t: float, y: Array) -> None:
+def accelerate(model: Model, work: Workspace, t: float, y: Array, factorised: bool) -> None:
     """Fill work.acceleration and multipliers after an evaluation at t in state y. Paper: Eq. (13).
 
     For models that are solved `by_blocks`. Forces that read reactions agree with the multipliers;
@@ -336,6 +336,7 @@ def accelerate(model: Model, work: Workspace, t: float, y: Array) -> None:
     work : memory of one evaluation
     t : time [s]
     y : state (n,), as in dynamics/model/model.py
+    factorised : whether `factorise_mass` was called at these positions
     """
     for k in range(model.n_constraint):
         work.gamma[k] = work.rows[k, GAMMA]
@@ -344,7 +345,8 @@ def accelerate(model: Model, work: Workspace, t: float, y: Array) -> None:
         for k in range(model.n_constraint):
             feedback = 2.0 * model.alpha * work.left[k] + model.beta**2 * work.rows[k, PHI]
             work.gamma[k] -= feedback
-    factorise_mass(model, work)
+    if not factorised:
+        factorise_mass(model, work)
     _solve_forces(model, work)
     if reads_reactions(model):
         passed = 0
@@ -379,10 +381,28 @@ def derivative_into(model: Model, work: Workspace, t: float, y: Array, out: Arra
     y : state (n,), as in dynamics/model/model.py
     out : dy/dt (n,), to fill
     """
+    derivative_at(model, work, t, y, out, False)
+
+
+@lean
+def derivative_at(
+    model: Model, work: Workspace, t: float, y: Array, out: Array, factorised: bool
+) -> None:
+    """As `derivative_into`; the mass matrix may be factorised, as a projection leaves it.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    work : memory of one evaluation
+    t : time [s]
+    y : state (n,), as in dynamics/model/model.py
+    out : dy/dt (n,), to fill
+    factorised : whether `factorise_mass` was called at these positions
+    """
     if reads_reactions(model):  # the result is that of the state alone, not of the last evaluation
         work.multipliers[:] = 0.0
     evaluate(model, work, t, y)
-    accelerate(model, work, t, y)
+    accelerate(model, work, t, y, factorised)
     rates_into(model, y, out)
     power = work.power[0]
     for k in range(model.n_constraint):
@@ -393,7 +413,9 @@ def derivative_into(model: Model, work: Workspace, t: float, y: Array, out: Arra
 
 
 @lean
-def sample_into(model: Model, work: Workspace, t: float, y: Array, rate: Array) -> None:
+def sample_into(
+    model: Model, work: Workspace, t: float, y: Array, rate: Array, known: bool
+) -> None:
     """Sample the periodic states of y (n,) whose instant t [s] is; fill rate (n,) with dy/dt.
 
     All updates read the state before: those of a controller do not see each other's.
@@ -405,14 +427,16 @@ def sample_into(model: Model, work: Workspace, t: float, y: Array, rate: Array) 
     t : time [s]
     y : state (n,), as in dynamics/model/model.py
     rate : dy/dt (n,) after sampling, to fill
+    known : whether `work` holds the accelerations before sampling
     """
     q, first = model.quantities, model.n_pos + model.n_vel
-    evaluate(model, work, t, y)
+    if not known:
+        evaluate(model, work, t, y)
     for j in range(model.n_aux):
         if q.update[j] >= 0 and is_sampled(q.period[j], t):
             p = int(q.update[j])
             y[first + j] = evaluated(q.programs, p, t, work.quantity, NO_SEED, NO_SEED, q.stack)[0]
-    derivative_into(model, work, t, y, rate)
+    derivative_at(model, work, t, y, rate, known)
 
 
 def dense_derivative_into(model: Model, work: Workspace, t: float, y: Array, out: Array) -> Array:

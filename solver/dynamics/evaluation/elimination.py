@@ -106,13 +106,11 @@ def _reduce_body(
     for p in range(r):
         row = places[p]
         start = profile[row + 1] - 1 - row
-        for q in range(r):
-            other = places[q]
-            if other <= row and n > base:
-                s = W[base, p] * pivot[base] * W[base, q]
-                for k in range(base + 1, n):
-                    s += W[k, p] * pivot[k] * W[k, q]
-                S[start + other] += s
+        for k in range(base, n):
+            w = W[k, p] * pivot[k]
+            if w != 0.0:
+                for q in range(p + 1):
+                    S[start + places[q]] += w * W[k, q]
 
 
 @inlined

@@ -39,7 +39,7 @@ class RowOrder(NamedTuple):
     most_rows: int  # rows at the busiest body
     free_start: IntArray  # (nb + 1,) first entry of each body in the next two
     free_column: IntArray  # rows at a body that do not drive its frame: their number there
-    free_place: IntArray  # and their place in the order of elimination
+    free_place: IntArray  # and their place in the order of elimination, ascending at a body
     place: IntArray  # (n_r,) place of each row in the order of elimination; -1: it drives a frame
     first: IntArray  # (n_p,) first column of each place in the profile
     profile_start: IntArray  # (n_p + 1,) of the rows of the profile
@@ -85,7 +85,10 @@ def _row_order(
     constraint = np.zeros(first.size, dtype=np.int64)
     held = place[: row[n_joint]]
     constraint[held[held >= 0]] = 1
-    columns = [[p for p, r in enumerate(rows) if place[r] >= 0] for rows in at_body]
+    columns = [
+        sorted((p for p, r in enumerate(rows) if place[r] >= 0), key=lambda p: place[rows[p]])
+        for rows in at_body
+    ]
     return RowOrder(
         most_rows=max((len(rows) for rows in at_body), default=0),
         free_start=starts([len(p) for p in columns]),

@@ -389,7 +389,7 @@ def _power(model: Model, workspace: AlphaWorkspace, t_new: float) -> float:
     if not driven:
         return float(work.power[0])
     evaluate(model, work, t_new, workspace.stage)
-    accelerate(model, work, t_new, workspace.stage)
+    accelerate(model, work, t_new, workspace.stage, False)
     workspace.counts[EVALUATIONS] += 1
     return driving_power(model, work)
 

@@ -273,7 +273,7 @@ def middle_rates(model: Model, workspace: AlphaWorkspace, t: float, h: float) ->
         swing = 0.125 * h * (workspace.rate[i] - workspace.stage_rate[i])
         middle[i] = 0.5 * (workspace.y[i] + workspace.stage[i]) + swing
     evaluate(model, work, t + 0.5 * h, middle)
-    accelerate(model, work, t + 0.5 * h, middle)
+    accelerate(model, work, t + 0.5 * h, middle, False)
     flatten(model, work.acceleration, workspace.change, 0)
     for i in range(model.n_vel):
         ends = workspace.rate[n_pos + i] + workspace.stage_rate[n_pos + i]

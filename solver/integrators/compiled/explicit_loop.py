@@ -5,7 +5,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from ...dynamics.analysis.projection import project
-from ...dynamics.evaluation.accelerations import derivative_into, sample_into
+from ...dynamics.evaluation.accelerations import derivative_at, derivative_into, sample_into
 from ...dynamics.model.model import Model, Workspace
 from ...math.arrays import Array, IntArray, zeros_of
 from ...math.compiled import inlined, lean, structure
@@ -193,7 +193,7 @@ def attempt_step(
         if not (reached and finite(y_new)):
             counts[TROUBLE] = OFF
     if counts[TROUBLE] == NONE and (options.closes or not tableau.first_same_as_last):
-        derivative_into(model, work, t_new, y_new, K[s])
+        derivative_at(model, work, t_new, y_new, K[s], options.closes)
         counts[EVALUATIONS] += 1
         if not finite(K[s]):
             counts[TROUBLE] = ILL
@@ -306,7 +306,7 @@ def advance_explicit(
                     _close_row(model, work, workspace, times[filled], row)
             filled += 1
         if at_instant(options, clock):
-            sample_into(model, work, t_new, y, workspace.f)
+            sample_into(model, work, t_new, y, workspace.f, not known)
             counts[EVALUATIONS] += 1
         keep_end(ends, taken, t_new, y)
         taken += 1

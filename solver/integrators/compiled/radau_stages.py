@@ -159,7 +159,7 @@ def restart_radau(model: Model, workspace: RadauWorkspace, t: float, samples: bo
     for i in range(stage.shape[0]):
         jump[i] = -workspace.f[i]
     if samples:
-        sample_into(model, work, t, workspace.y, workspace.f)
+        sample_into(model, work, t, workspace.y, workspace.f, False)
     else:
         derivative_into(model, work, t, workspace.y, workspace.f)
     for i in range(stage.shape[0]):

@@ -53,7 +53,10 @@ def emitted(modules: list[str], exported: str) -> tuple[bytes, list[str]]:
     # Loops are over few modes and rows: ready for vectors they are slower, and take long to compile
     tuning.loop_vectorization = tuning.slp_vectorization = False
     builder = llvm.create_pass_builder(_target_machine(), tuning)
+    # Nor are they long enough to be taken eight turns at a time. This is an option of the process.
+    llvm.set_option("", "-unroll-runtime=false")
     builder.getModulePassManager().run(whole, builder)
+    llvm.set_option("", "-unroll-runtime=true")
     code = _target_machine().emit_object(whole)
     return code, undefined(code)
 
