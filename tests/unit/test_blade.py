@@ -99,6 +99,11 @@ def wrong(change) -> dict:
     return table
 
 
+def web_at(blade: dict, end: float) -> None:
+    """Move the second end of the web."""
+    blade["structure"]["anchors"][-1] = anchor("web", 0.32, end)
+
+
 @pytest.mark.parametrize(
     ("change", "words"),
     [
@@ -120,6 +125,12 @@ def wrong(change) -> dict:
         (
             lambda b, t: b["structure"]["anchors"][1].update(end_nd_arc={"width": 1.0}),
             "anchors.cap-s.end_nd_arc: expected numbers in grid and values, or a rule",
+        ),
+        (lambda b, t: t["airfoils"].append({"name": "thin"}), "airfoils[2].name: 'thin' is the na"),
+        (lambda b, t: t["materials"].append({"name": "foam"}), "name: 'foam' is the name of ano"),
+        (
+            lambda b, t: web_at(b, 0.2),
+            "webs: web: from the arc 0.20000 to 0.32000; expected one on",
         ),
         (lambda b, t: t["airfoils"][1].pop("rthick"), "airfoils.thin.rthick: missing"),
         (lambda b, t: t["airfoils"][1].update(rthick=240.0), "240, but its coordinates are 0.23"),
@@ -154,10 +165,17 @@ def test_what_is_wrong_is_named(tmp_path, capsys, change, words):
     assert str(file) in message
 
 
-def test_webs_whose_feet_overlap_are_refused(tmp_path, capsys):
+@pytest.mark.parametrize(
+    ("start", "end", "words"),
+    [
+        (0.322, 0.66, ("structure.webs: second: its foot covers the arcs ", "of those of web")),
+        (0.28, 0.6, ("structure.webs: web and second cross; expected webs side by side",)),
+    ],
+)
+def test_webs_that_cross_or_whose_feet_overlap_are_refused(tmp_path, capsys, start, end, words):
     def change(blade, table):
         structure = blade["structure"]
-        close = anchor("close", 0.322, 0.66)
+        close = anchor("close", start, end)
         structure["anchors"].append(close)
         ends = {key: close[key] for key in ("start_nd_arc", "end_nd_arc")}
         structure["webs"].append({"name": "second", "anchors": [], **ends})
@@ -166,8 +184,8 @@ def test_webs_whose_feet_overlap_are_refused(tmp_path, capsys):
     file = write_blade(tmp_path, wrong(change))
     assert main(["blade", str(file), "--at", "0.5", "-o", str(tmp_path / "out"), "--check"]) == 2
     message = capsys.readouterr().err
-    assert f"{file}: station r = 0.5: structure.webs: second: its foot covers the arcs " in message
-    assert "expected none of those of web" in message
+    assert f"{file}: station r = 0.5: {words[0]}" in message
+    assert words[-1] in message
 
 
 def test_a_web_in_the_nose_is_as_thick_as_there_is_room(tmp_path):

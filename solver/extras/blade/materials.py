@@ -22,10 +22,7 @@ class Materials:
 
     def __init__(self, tables: Tables, top: Table) -> None:
         self.tables, self.doubts = tables, list[str]()
-        self.entries = {
-            tables.text(entry, f"materials[{i}].name"): entry
-            for i, entry in enumerate(tables.entries(top, "materials"))
-        }
+        self.entries = tables.named(top, "materials")
 
     def read(self, used: Set[str]) -> dict[str, Table]:
         """Return the materials that are used, and adhesives; others may have other keys."""

@@ -17,7 +17,8 @@ POINTS = 400  # of a contour
 SAME = 6  # digits in which thicknesses of airfoils are equal
 THICKEST = 1.05  # over the chord: a round root has 1
 FARTHEST = 100.0  # [smallest chord] of the reference axis from the section
-UNLIKE = 0.2  # of the chord: airfoils of 8 turbines are as thick as their rthick within 0.005
+# Of the chord: airfoils of 8 turbines are as thick as their rthick within 0.005.
+DOUBTFUL, UNLIKE = 0.01, 0.2
 BACK = 0.05  # of the chord, where an outline goes back; those of 8 turbines nowhere do
 TURNED = 90.0  # [deg] twist that no section of a rotor has
 
@@ -148,10 +149,7 @@ def _airfoils(tables: Tables, top: Table, shape: Table) -> tuple[Airfoil, ...]:
             of += tables.numbers(entry, f"{path}[{i}].spanwise_position", 1).tolist()
     if not places:
         raise tables.error(path, "expected names of airfoils")
-    known = {
-        tables.text(entry, f"airfoils[{i}].name"): entry
-        for i, entry in enumerate(tables.entries(top, "airfoils", required=True))
-    }
+    known = tables.named(top, "airfoils", required=True)
     airfoils: list[Airfoil] = []
     for name in places:
         if name not in known:
@@ -289,6 +287,13 @@ def doubts(shape: Shape) -> Iterator[str]:
         )
     if twist > TWISTED:
         yield f"outer_shape.twist.values: up to {twist:g}; expected degrees"
+    for one in shape.airfoils:
+        own = float(np.ptp(one.points[:, 1]))
+        if abs(own - one.thickness) > DOUBTFUL:
+            yield (
+                f"airfoils.{one.name}.rthick: {one.thickness:g}, but its coordinates are {own:g} "
+                "thick; expected the same, by which airfoils are blended"
+            )
 
 
 def check_layers(tables: Tables, shape: Shape, layers: Sequence[Layer]) -> None:

@@ -20,6 +20,7 @@ from .layers import (
     WebLayers,
     add_web,
     breaks,
+    crossing,
     enclosed,
     feet_of,
     fitted,
@@ -65,7 +66,7 @@ def station_mesh(
 
     Raises
     ------
-    InputError : feet of webs that overlap; the message begins with the key.
+    InputError : feet of webs that overlap, or webs that cross; the message begins with the key.
     """
     mesh = StationMesh()
     points, corners = with_face(points, bands)
@@ -79,7 +80,7 @@ def station_mesh(
     ends = [low, *corners, high]
     fixed = [*ends, nose] if any(band.angle_deg for band in bands) else ends
     room = corners or (low, high)
-    if refused := foot_without_room(webs, perimeter, *room):
+    if refused := crossing(webs, nose) or foot_without_room(webs, perimeter, *room):
         raise InputError(refused)
     for last in [False] * PASSES + [True]:
         arcs = _columns(rows, webs, perimeter, fixed)

@@ -92,6 +92,23 @@ class Tables:
                 raise self.error(f"{path}[{i}]", f"has {_kind(entry)}; expected a table")
         return value
 
+    def named(self, parent: Table, path: str, *, required: bool = False) -> dict[str, Table]:
+        """Return the tables of a list by their `name`; the same table may be there twice.
+
+        Parameters
+        ----------
+        parent : table that has the key
+        path : keys from the top of the file, with dots
+        required : a missing key is an error
+        """
+        found: dict[str, Table] = {}
+        for i, entry in enumerate(self.entries(parent, path, required=required)):
+            name = self.text(entry, f"{path}[{i}].name")
+            if found.setdefault(name, entry) != entry:
+                message = f"{name!r} is the name of another one; expected different names"
+                raise self.error(f"{path}[{i}].name", message)
+        return found
+
     def text(self, parent: Table, path: str) -> str:
         """Return the name of the last part of `path`."""
         value = parent.get(path.rpartition(".")[2])
