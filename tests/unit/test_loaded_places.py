@@ -1,10 +1,11 @@
 """Places of a body that are loaded: for the shapes of `[fidelity]`, and for the check of modes."""
 
-from samples.fidelity_samples import pendulum
+from samples.fidelity_samples import INTERFACES, pendulum
 
 from plymotion.solver.inputs.case.bodies.specifications import rich_bodies
 from plymotion.solver.inputs.case.record import loaded_places
 from plymotion.solver.inputs.case.tables.schema import Mechanism
+from plymotion.solver.package.body.invariants import MOST_MODES
 
 
 def attachments(mechanism: Mechanism, name: str) -> list[str]:
@@ -31,3 +32,31 @@ def test_each_place_once_in_the_order_of_use():
     mechanism = Mechanism.model_validate(table)
     assert loaded_places("link1", mechanism) == ["root", "tip"]
     assert loaded_places("link0", mechanism) == ["root", "tip"]
+
+
+def test_many_places_leave_second_order_displacements_their_room():
+    """With more modes the check would be linear, whatever the spin."""
+    table = pendulum(links=2)
+    table["bodies"]["link0"]["interfaces"] = INTERFACES | {"quarter": {"at": 0.25}}
+    for place in ("mid", "quarter"):
+        table["masses"][place] = {"mass": 0.1, "at": f"link0.{place}"}
+    mechanism = Mechanism.model_validate(table)
+    assert loaded_places("link0", mechanism, turned=True) == ["root", "tip"]
+    _, check = rich_bodies("link0", mechanism)
+    shapes = {mode.at: len(mode.directions) for mode in check.modes if mode.kind == "attachment"}
+    assert shapes == {"mid": 3, "tip": 6, "quarter": 3}
+    vibrations = sum(getattr(mode, "count", 0) for mode in check.modes)
+    assert vibrations + sum(shapes.values()) + 7 <= MOST_MODES
+    table["forces"] = {
+        "twist": {
+            "kind": "torque",
+            "at": "link0.mid",
+            "direction": [1.0, 0.0, 0.0],
+            "law": {"constant": 1.0},
+        }
+    }
+    assert loaded_places("link0", Mechanism.model_validate(table), turned=True) == [
+        "root",
+        "tip",
+        "mid",
+    ]

@@ -6,6 +6,7 @@ import numpy as np
 from samples.fidelity_samples import pendulum, planned_run
 
 from plymotion.solver.dynamics.evaluation.accelerations import assemble, masses_and_jacobians
+from plymotion.solver.inputs.case.tables.schema import Mechanism
 from plymotion.solver.studies.fidelity.answer import answer_text, entry, fidelity_line
 from plymotion.solver.studies.fidelity.checked_run import checked, plan_of
 from plymotion.solver.studies.fidelity.checking import Checking
@@ -68,6 +69,30 @@ def test_a_body_that_turns_far_is_told_with_the_segments_it_needs():
     assert "divide the beam by segments = 2" in answer.beyond[0]
     assert entry(answer)["beyond_theory"] == answer.beyond
     assert f"Beyond the theory of both runs: {answer.beyond[0]}." in answer_text(answer)
+
+
+def test_a_spinning_body_without_second_order_data_is_not_met():
+    table = pendulum(speed=130.0, t_end=0.2, signals=["bending"], accuracy=0.3)
+    spec, check = planned_run(table, "soft")
+    answer = checked(plan_of(spec, check))
+    assert answer.verdict == "met"
+    linear = [
+        {name: replace(package, second_order=None) for name, package in known.items()}
+        for known in (spec.packages, check)
+    ]
+    answer = checked(plan_of(replace(spec, packages=linear[0]), linear[1]))
+    assert answer.verdict == "not met"
+    assert answer.reason.startswith("link0 would stiffen by spin")
+    assert "geometric stiffening: no second-order data (link0)" in entry(answer)["not_checked"]
+
+
+def test_a_body_of_one_package_is_said_not_to_be_checked():
+    table = pendulum(t_end=0.1)
+    spec, _ = planned_run(table)
+    table["bodies"]["link0"] = {"kind": "imported", "import": "link.toml"}
+    spec = replace(spec, mechanism=Mechanism.model_validate(table))
+    words = entry(plan_of(spec, spec.packages))["not_checked"]
+    assert "bodies of one package: its mesh and its modes (link0)" in words
 
 
 def test_modes_across_the_plane_of_a_motion_do_not_respond():

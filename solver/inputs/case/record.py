@@ -102,14 +102,25 @@ def with_parts(names: Collection[str], signals: Mapping[str, Item]) -> dict[str,
     return complete
 
 
-def loaded_places(name: str, mechanism: "Mechanism") -> list[str]:
+# Forces that have no moment about their places.
+PLAIN = ("force", "spring", "coordinate_force", "nonlinear_spring", "limit_stop", "controller")
+
+
+def loaded_places(name: str, mechanism: "Mechanism", *, turned: bool = False) -> list[str]:
     """Return the interfaces of a body where joints, force elements or masses act, each once.
 
     A force along the coordinate of a joint acts at the places of the joint.
+
+    Parameters
+    ----------
+    name : of the body
+    turned : those only where moments may act
     """
     ends = [end for joint in mechanism.joints.values() for end in joint.between]
-    ends += [mass.at for mass in mechanism.masses.values()]
+    ends += [] if turned else [mass.at for mass in mechanism.masses.values()]
     for force in mechanism.forces.values():
+        if turned and force.kind in PLAIN:
+            continue
         ends += getattr(force, "between", None) or [getattr(force, "at", None) or ""]
     places = [end.partition(".")[2] for end in ends if end.partition(".")[0] == name]
     return list(dict.fromkeys(places))

@@ -132,15 +132,23 @@ DELIVERED = {
     "check": "the check",
     "model": "the chosen model",
 }
-MEASURED = "bodies from files: one package, so its mesh and its modes"
+ONE_PACKAGE = "bodies of one package: its mesh and its modes"
+UNSTIFFENED = "geometric stiffening: no second-order data"
 
 
 def not_checked(answer: Answer) -> list[str]:
     """Return what neither the plan nor the check looks at."""
     bodies = answer.spec.mechanism.bodies
     lines = list(NOT_CHECKED) if answer.plan.bodies else [JOINTS]
-    for kind, text in (("package", MEASURED), ("shell", BETWEEN)):
-        if names := [name for name in answer.plan.bodies if bodies[name].kind == kind]:
+    rich = answer.study.check if answer.check is not None else answer.study.model
+    second = [name for name in rich if rich[name].package.second_order is not None]
+    kinds = {name: bodies[name].kind for name in answer.plan.bodies}
+    for text, names in (
+        (ONE_PACKAGE, [n for n in kinds if kinds[n] in ("package", "imported", "solid")]),
+        (BETWEEN, [n for n in kinds if kinds[n] == "shell"]),
+        (UNSTIFFENED, [n for n in kinds if n not in second]),
+    ):
+        if names:
             lines.append(f"{text} ({', '.join(names)})")
     return lines
 

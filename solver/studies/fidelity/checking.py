@@ -8,8 +8,9 @@ import numpy as np
 
 from ...inputs.case.record import REACTION
 from ...math.arrays import Array
+from ...package.body.invariants import MOST_MODES
 from ...run.timing import work_s
-from ..tolerances import LACKING, LADDER_COST, REQUEST_MET, SPLIT_COST, SURELY_MET
+from ..tolerances import LACKING, LADDER_COST, REQUEST_MET, SPLIT_COST, STIFFENING_SPIN, SURELY_MET
 from .answer import Answer, not_compared
 from .choice import MOTIONS, accuracy_over_rtol
 from .comparison import kind_of_signal
@@ -243,7 +244,7 @@ class Checking:
             )
             # More of the packages does not help if they lack too much.
             return more is not None and float(more.max()) > REQUEST_MET * self.accuracy
-        if reason := self._meshes():
+        if reason := self._unstiffened() or self._meshes():
             answer.reason = reason
             return True
         answer.verdict, answer.reason, answer.settled = "met", "", True
@@ -284,6 +285,23 @@ class Checking:
         other, finer = (model, check) if use_model else (self.run(poor), looser)
         missing = None if other is None else share * distance(self.metric, other, finer)
         return missing, ", ".join(blind)
+
+    def _unstiffened(self) -> str:
+        """Say which bodies spin so fast that they need the second-order data they lack, or ""."""
+        study, bodies = self.answer.study, self.answer.plan.bodies
+        names = [
+            name
+            for name, spin in study.indicators.spin.items()
+            if spin > STIFFENING_SPIN and not bodies[name].rigid
+            if study.check[name].package.second_order is None
+        ]
+        if not names:
+            return ""
+        return (
+            f"{' and '.join(names)} would stiffen by spin, and no second-order data say how much: "
+            f"beams and shells have them up to {MOST_MODES} modes, so with fewer loaded places, or "
+            "in `segments`; shells and solids with second_order = true"
+        )
 
     def _meshes(self) -> str:
         """Add the error of the meshes of shells to the estimate; say what is too much, or ""."""

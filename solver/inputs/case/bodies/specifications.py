@@ -14,8 +14,9 @@ from pydantic import BaseModel
 
 from ....errors import InputError, nearest, under, unknown
 from ....math.disk_cache import file_sha256
+from ....package.body.invariants import MOST_MODES
 from ....package.common.plain_data import inputs_sha256
-from ....package.specification import ImportedSpecification, Specification
+from ....package.specification import DIRECTIONS, ImportedSpecification, Specification
 from ...common.mesh_files import files_read
 from ...common.text_file import read_toml
 from ..record import loaded_places
@@ -169,6 +170,7 @@ class BodySpecs:
 # Vibrations of a beam by kind, of the model and of the check.
 BEAM_VIBRATIONS = {"bending-xy": (4, 6), "bending-xz": (4, 6), "torsion": (2, 3), "axial": (2, 3)}
 SHELL_VIBRATIONS = (12, 18)  # lowest, of any kind
+LOAD_SHAPES = 7  # static-inertia and static-axial
 LEAST_ELEMENTS = 24  # of the model: converged for its highest bending mode
 FINER = 2  # elements of the check over those of the model
 
@@ -209,15 +211,20 @@ def rich_bodies(name: str, mechanism: Mechanism) -> tuple[Any, Any]:
 def _rich(name: str, body: BeamBody | ShellBody, mechanism: Mechanism, which: int) -> Any:
     clamped = body.reference.places[0] if body.reference.kind == "clamped" else None
     loaded = loaded_places(name, mechanism)
+    counts = BEAM_VIBRATIONS if body.kind == "beam" else {"lowest": SHELL_VIBRATIONS}
     tables: list[dict[str, object]]
-    if body.kind == "beam":
-        tables = [{"kind": k, "count": counts[which]} for k, counts in BEAM_VIBRATIONS.items()]
-    else:
-        tables = [{"kind": "lowest", "count": SHELL_VIBRATIONS[which]}]
+    tables = [{"kind": kind, "count": both[which]} for kind, both in counts.items()]
+    places = [place for place in body.interfaces if place in loaded and place != clamped]
+    # All directions of each, unless second-order displacements of so many modes are left out.
+    most = MOST_MODES - LOAD_SHAPES - sum(check for _, check in counts.values())
+    turned = places if 6 * len(places) <= most else loaded_places(name, mechanism, turned=True)
     tables += [
-        {"kind": "attachment", "at": place}
-        for place in body.interfaces
-        if place in loaded and place != clamped
+        {
+            "kind": "attachment",
+            "at": place,
+            "directions": list(DIRECTIONS[: 6 if place in turned else 3]),
+        }
+        for place in places
     ]
     if body.reference.kind != "mean-axis":  # which carries them
         tables.append({"kind": "static-inertia"})
