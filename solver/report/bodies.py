@@ -63,7 +63,8 @@ def _damping(stories: list[Story]) -> str:
         for story in stories
         for entry in story.summary.get("damping", ())
     ]
-    return table("Damping of the lowest vibration of each body", head, rows) if rows else ""
+    title = "Damping of the lowest vibration of each body"
+    return f"<h3>{title}</h3>{table(title, head, rows)}" if rows else ""
 
 
 def _share(percent: float) -> Cell:
@@ -150,7 +151,6 @@ def _rows(strengths: list[tuple[Story, str, dict[str, Any]]]) -> list[Row]:
     """Return rows of lowest strength ratios: story, body, entry of summary.json."""
     rows: list[Row] = []
     for story, body, entry in strengths:
-        ply = entry["ply"]
         ratio = number(entry["ratio"], 4)
         shown = f"<span class='badge bad'>{ratio}</span>" if fails(entry) else ratio
         rows.append(
@@ -163,9 +163,7 @@ def _rows(strengths: list[tuple[Story, str, dict[str, Any]]]) -> list[Row]:
                 escape(entry["mode"]),
                 figures(entry["x"], 4),
                 figures(entry["time"], 4),
-                escape(
-                    f"{ply['region']} {ply['index']}, {ply['material']}, {ply['angle_deg']:g} deg"
-                ),
+                escape(_ply(entry["ply"])),
                 _jump(story, body, entry),
             ]
         )
@@ -208,11 +206,15 @@ def worst(story: Story) -> list[dict[str, object]]:
 
 def ply_text(entry: dict[str, Any]) -> str:
     """Return ply, criterion and ratio of an entry in words."""
-    ply = entry["ply"]
-    return (
-        f"R = {number(entry['ratio'], 4)} ({entry['criterion']}), {ply['region']} ply "
-        f"{ply['index']}, {ply['material']}, {ply['angle_deg']:g} deg"
-    )
+    return f"R = {number(entry['ratio'], 4)} ({entry['criterion']}), {_ply(entry['ply'])}"
+
+
+def _ply(ply: dict[str, Any]) -> str:
+    """Return a ply in words; a solid has a surface in place of plies."""
+    region, material = ply["region"], ply["material"]
+    if region == f"surface {material}":
+        return str(region)
+    return f"{region} ply {ply['index']}, {material}, {ply['angle_deg']:g} deg"
 
 
 def place(story: Story, body: str, entry: dict[str, Any]) -> int | None:

@@ -350,8 +350,8 @@ of the run.</dd>
 <dt>Solve</dt><dd>Wall time to build the model and to integrate it. Start of the program, reading,
 recovery of results and writing are left out; <code>cost.seconds</code> of summary.json has
 them.</dd>
-<dt>Minimum, maximum, rms</dt><dd>Of a signal at the output times. <em>show</em> goes to its
-largest magnitude.</dd>
+<dt>Minimum, maximum, rms</dt><dd>Of a signal at the output times. A click on a time shows the
+mechanism then.</dd>
 <dt>Spectrum</dt><dd>Amplitude of the part of the signal in view, without its mean, with a Hann
 window. A pure vibration shows its amplitude at its frequency.</dd>
 <dt>Strength ratio R</dt><dd>The factor on all stresses at which the first ply fails, lowest over

@@ -92,8 +92,11 @@ class Canvas:
         """
         return list(self.figure.subplots(rows, columns, squeeze=False, **options).ravel())
 
-    def save(self, path: Path) -> Path:
-        """Write a PNG, SVG or PDF, by the suffix, under a temporary name, then rename it."""
+    def save(self, path: Path, *, own: bool = False) -> Path:
+        """Write a PNG, SVG or PDF, by the suffix, under a temporary name, then rename it.
+
+        `own` replaces a file of others too: scripts of benchmarks/ draw pictures of the pages.
+        """
         from matplotlib.ticker import LogFormatter, LogFormatterSciNotation
 
         for axis in (axis for a in self.figure.axes for axis in (a.xaxis, a.yaxis)):
@@ -106,7 +109,7 @@ class Canvas:
         if engine is not None:
             engine.execute(self.figure)
             self.figure.set_layout_engine(None)
-        with temporary_sibling(path) as temporary:
+        with temporary_sibling(path, own=own) as temporary:
             # Without creation tool and date, the same run gives the same bytes.
             form = path.suffix[1:]
             self.figure.savefig(temporary, format=form, metadata=dict.fromkeys(_UNSAID[form]))

@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+import solver_chart
 from samples.result_samples import swinging_rod
 
 from plymotion.solver.package import read_package
@@ -93,3 +94,10 @@ def test_energy_balance_notices_a_lost_joule() -> None:
     broken = dataclasses.replace(result, energies=leaky)
     scale = max(leaky["kinetic"].max(), np.ptp(leaky["potential"]))
     assert np.abs(broken.relative_balance).max() == pytest.approx(0.1 / scale, rel=1e-6)
+
+
+def test_charts_of_the_pages_are_drawn_over_the_old_ones(repository, tmp_path) -> None:
+    old = tmp_path / "solver-models.png"
+    old.write_bytes(b"a picture of the repository, which no run has written")
+    solver_chart.main("models", repository / "docs/charts/solver-models.csv", old)
+    assert old.read_bytes().startswith(b"\x89PNG")

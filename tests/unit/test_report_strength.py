@@ -20,6 +20,7 @@ from samples.recovery_samples import (
 from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.package import ModalPackage
+from plymotion.solver.report.bodies import strength_section
 from plymotion.solver.report.case_figures import draw_exposure
 from plymotion.solver.report.report_page import make_report
 from plymotion.solver.report.story import read_story
@@ -141,6 +142,12 @@ def test_report_has_table_and_figure(case_dir: Path) -> None:
     with house_style():
         again = draw_exposure(case_dir / "again.png", read_story(case_dir, RUN, RUN))
     assert again.read_bytes() == figure.read_bytes()
+
+
+def test_a_solid_has_a_surface_in_place_of_plies(case_dir: Path) -> None:
+    story = read_story(case_dir, RUN, RUN)
+    story.summary["strength"]["hand"]["ply"] |= {"region": "surface steel", "material": "steel"}
+    assert ">surface steel<" in strength_section([story])
 
 
 def test_figure_shows_the_line_of_failure_where_it_is_near(case_dir: Path) -> None:
