@@ -129,6 +129,9 @@ def _function(kind: Kind) -> Callable[..., Keys]:
         except TypeError as error:
             wrong = next((k for k in named if k not in signature.parameters), "")
             hint = nearest(wrong, signature.parameters) if wrong else ""
+            if "too many" in str(error):
+                places = [p.name for p in signature.parameters.values() if p.kind != p.KEYWORD_ONLY]
+                hint = f"; expected {', '.join(places[1:])}, and the others by name"
             raise InputError(f"Case.{kind.name}: {error}{hint}") from None
         del given["self"]
         name = given.pop("name")

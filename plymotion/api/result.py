@@ -58,6 +58,9 @@ class Result:
         >>> pm.Result.from_folder(pm.run("pendulum.toml").folder).run
         'base'
         """
+        runs = sorted(file.parent for file in Path(folder).glob("*/summary.json"))
+        if runs and not (Path(folder) / "summary.json").exists():
+            raise InputError(f"{folder}: expected the folder of a run, such as {runs[0]}")
         return cls(folder)
 
     @cached_property

@@ -1,5 +1,6 @@
 """Sections of report.html on bodies: modes, masses, strength of plies, fatigue."""
 
+from collections.abc import Mapping
 from html import escape
 from typing import Any
 
@@ -209,7 +210,7 @@ def ply_text(entry: dict[str, Any]) -> str:
     return f"R = {number(entry['ratio'], 4)} ({entry['criterion']}), {_ply(entry['ply'])}"
 
 
-def _ply(ply: dict[str, Any]) -> str:
+def _ply(ply: Mapping[str, object]) -> str:
     """Return a ply in words; a solid has a surface in place of plies."""
     region, material = ply["region"], ply["material"]
     if region == f"surface {material}":

@@ -67,6 +67,7 @@ def test_every_kind_has_its_function() -> None:
         (lambda c: c.revolute("j", "ground.a", "b.c", drve={}), r"did you mean 'drive'"),
         (lambda c: c.spring("s", "ground.a", "b.c", stiffness=-1.0), r"^forces\.s\.stiffness = -1"),
         (lambda c: c.revolute("j", "ground.a"), r"Case\.revolute: missing a required argument"),
+        (lambda c: c.revolute("j", "ground.a", "rod.a", "y"), "expected name, one, two, and the"),
         (lambda c: c.rigid("b", mass=1.0, inertia=[1, 1, 1]), r"^bodies\.b\.inertia"),
     ],
 )

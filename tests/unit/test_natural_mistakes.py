@@ -98,7 +98,7 @@ MISTAKES = [
         "panel",
         "inertia = [[5.0, 0.0, 0.0], [0.0, 5.0, 0.0], [0.0, 0.0, 5.0]]",
         "inertia = [5.0, 5.0, 5.0]",
-        "inertia.0 = 5.0: expected a list, an entry of: 3x3 inertia about the mass centre",
+        "inertia: expected a list of lists: 3x3 inertia about the mass centre",
     ),
     ("arm", "drive = {", "motor = {", "shoulder.motor: unknown key; did you mean 'drive'?"),
     ("arm", "gravity =", "g =", "g: unknown key; did you mean 'gravity'?"),

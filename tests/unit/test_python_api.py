@@ -139,6 +139,9 @@ def test_wrong_names_and_wrong_cases_say_so(swing):
         pm.run(swing, "base").signals["tipz"]
     with pytest.raises(pm.InputError, match=r"gone/summary\.json: no such file"):
         pm.Result.from_folder("gone")
+    result = pm.run(swing, "base")
+    with pytest.raises(pm.InputError, match=r"expected the folder of a run, such as \S*base"):
+        pm.Result.from_folder(result.folder.parent)
     with pytest.raises(pm.InputError, match="letters, digits"):
         pm.Case("../above")
     case = pm.load(swing)

@@ -376,9 +376,10 @@ def _line(item: Any, model: type[BaseModel], path: list[Any], kind: Any) -> tupl
         return f"{key}.{inner[1]}", text[inner.end() :]
     numbers = _of_numbers(field)
     if item["type"] == "list_type" or (numbers and item["type"] in ("too_short", "too_long")):
+        rows = _field(model, item["loc"][:-1]) if isinstance(path[-1], int) else None
+        if rows and rows.description:  # once for all rows
+            return key.rpartition(".")[0], f"expected a list of lists: {rows.description}"
         text = f"expected a list{numbers}"
-        rows = _field(model, item["loc"][:-1]) if field is None else None
-        text += f", an entry of: {rows.description}" if rows and rows.description else ""
         text += f': ["{value}"]' if isinstance(value, str) and not numbers else ""
         text += ", such as [{ ... }]" if isinstance(value, dict) else ""
     elif item["type"] == "string_type" and field is not None and field.description:

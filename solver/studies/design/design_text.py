@@ -26,7 +26,8 @@ def outcome_lines(study: Mapping[str, Any], folder: Path) -> list[str]:
     )
     lines = [
         f"{study['study']}: {counted(len(starts), 'start')}, {counted(total, 'design')} computed; "
-        f"{agreeing} of them end within 0.1 % of the best; {os.path.relpath(folder)}"
+        f"{agreeing} of them end{'s' * (agreeing == 1)} within 0.1 % of the best; "
+        f"{os.path.relpath(folder)}"
     ]
     verified = study.get("verified", {})
     head = ["", "start", "best", "verified", "limit"]
