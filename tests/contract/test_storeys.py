@@ -10,6 +10,7 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
+from harness.source_copy import recipe_files
 
 MOST_ROOMS, MOST_LEVELS = 20, 10
 MOST_MODULES = 12  # in a folder that is not a list of kinds, one file each (it has contract.py)
@@ -101,7 +102,7 @@ def test_folders_and_chains_do_not_grow(
 
 
 def test_parameters_are_documented(repository: Path, structure: ModuleType) -> None:
-    known = structure.documented(structure.sources(repository))
+    known = structure.documented(structure.sources(repository) | recipe_files(repository))
     assert not [name for name, there in known.items() if not there]
 
 
