@@ -173,7 +173,7 @@ def _moved(modes: Modes, rate: ModeRates, distance: float) -> Modes:
 def _modal(
     modes: Modes, rate: ModeRates, ratio: float, values: dict[str, Array]
 ) -> dict[str, Array]:
-    """Derivatives of modal matrices; `found` has the part of the damping by its ratio."""
+    """Derivatives of modal matrices; `values` has the part of the damping by its ratio."""
     w = np.sqrt(modes.values)
     damping = 2.0 * ratio * rate.stiffness / np.add.outer(w, w)
     return {

@@ -32,7 +32,7 @@ def refuse(errors: Iterable[str]) -> None:
 
 @contextlib.contextmanager
 def collected(errors: list[str]) -> Iterator[None]:
-    """Add the lines of an InputError that is raised inside to `found`."""
+    """Add the lines of an InputError that is raised inside to `errors`."""
     try:
         yield
     except InputError as error:

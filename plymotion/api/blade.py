@@ -123,7 +123,7 @@ class Blade:
         >>> f.shape  # doctest: +SKIP
         (6,)
         """
-        return frequencies_at_rest(self._meshed.blade, self._stations, quiet=True)
+        return frequencies_at_rest(self._meshed.blade, self._stations)
 
     def to_pandas(self) -> Any:
         """Return blade.csv as a DataFrame. Raises ImportError without pandas.

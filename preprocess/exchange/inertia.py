@@ -50,7 +50,7 @@ def inertia(body: FreeBody, shapes: Array) -> Inertia:
     blocks = [body.M[number[used, a]] for a in range(3)]
     Ms = blocks[0][:, number[used, 0]].tocsr()
     X = np.moveaxis(shapes, 0, 2)  # (n, 6, m)
-    lumped = _lumped(body, number, Ms, used)
+    lumped = _lumped(body, number, used)
     M = own(body.M)
     off_diagonal = M - sp.diags(M.diagonal())
     if np.abs(off_diagonal.data).max(initial=0.0) <= SAME * np.abs(M.data).max():
@@ -91,9 +91,7 @@ def _symmetric(A: Array) -> Array:
     return np.asarray((A + A.T) / 2.0)
 
 
-def _lumped(
-    body: FreeBody, number: IntArray, Ms: sp.csr_matrix, used: IntArray
-) -> tuple[Array, Array]:
+def _lumped(body: FreeBody, number: IntArray, used: IntArray) -> tuple[Array, Array]:
     """Nodal masses: the diagonal of M scaled to the total, which is never negative."""
     n = len(body.nodes)
     mass, J = np.zeros(n), np.zeros((n, 3, 3))

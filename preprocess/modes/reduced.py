@@ -130,7 +130,7 @@ def _static_modes(
     static: StaticShapes,
     participation: Participation,
 ) -> StaticModes:
-    """Modes that the static shapes `found` of `loads` add to the eigenmodes `kept`.
+    """Modes that the static shapes `static` of `loads` add to the eigenmodes `kept`.
 
     There is a warning instead of a mode for a load that the reference condition carries, for a
     shape that is a combination of eigenmodes and earlier shapes, and for a shape that moves no

@@ -12,5 +12,5 @@ def meshed(elements: int, **keys: Any) -> dict[str, Any]:
     """Entries of a specification for the line of a beam of the case."""
     body = BeamBody.model_validate({**BAR, "elements": elements, **keys})
     line = line_of(body)
-    nodes = division(body, line)
+    nodes = division(body)
     return {"length": line.length, "elements": len(nodes) - 1, "line": line_table(line, nodes)}

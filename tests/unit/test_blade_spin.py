@@ -48,7 +48,7 @@ def spun(fenicsx, tmp_path_factory):
         shutil.copytree(few, many)  # has five of the seventeen stations
         assert main([*words, "--stations", "17", "-o", str(many), "--no-estimate"]) == 0
         nine = analysed(many / "sections", places, dict.fromkeys([*places][::2]))
-        return few, many, frequencies_at_rest(read_blade(file), nine, quiet=True)
+        return few, many, frequencies_at_rest(read_blade(file), nine)
 
 
 def test_one_command_gives_frequencies_over_speed(spun):

@@ -88,7 +88,7 @@ def _spin(options: argparse.Namespace, meshed: Meshed, stations: Sequence[Statio
     if len(complete(stations)) < 2:
         raise InputError(f"blade: --spin {options.spin}: expected two complete stations or more")
     out = meshed.folder
-    frequencies, errors = frequencies_at_rest(meshed.blade, stations, quiet=True)
+    frequencies, errors = frequencies_at_rest(meshed.blade, stations)
     write_text(out / FREQUENCIES, error_csv(frequencies, errors))
     print(f"\n{error_text(frequencies, errors)}\n{out / FREQUENCIES}\n")
     parser = argparse.ArgumentParser()

@@ -148,18 +148,12 @@ output_step = 1.0
 
 
 def frequencies_at_rest(
-    blade: Blade, stations: Sequence[Station], *, quiet: bool
+    blade: Blade, stations: Sequence[Station]
 ) -> tuple[Array, dict[str, Array]]:
     """Return the lowest frequencies [Hz] of the clamped blade, and their relative errors by cause.
 
     A cause that cannot be estimated is left out: of the sections without their estimates, of the
     stations if there are fewer than three.
-
-    Parameters
-    ----------
-    blade : blade of the windIO file
-    stations : analysed stations
-    quiet : print no progress
     """
     known = complete(stations)
     elements = elements_of(len(known))
@@ -169,7 +163,7 @@ def frequencies_at_rest(
     if len(known) > 2:
         fewer = [*known[:-1:2], known[-1]]
         tables[STATIONS] = (fewer, max(elements, 2 * (len(fewer) - 1)))
-    frequencies = _computed(blade, tables, quiet=quiet)
+    frequencies = _computed(blade, tables)
     own = frequencies.pop(AS_IT_IS)
     errors = {name: SHARES[name] * np.abs(w / own - 1.0) for name, w in frequencies.items()}
     return own, errors
@@ -190,7 +184,7 @@ def _softer(stations: Sequence[Station]) -> list[Station]:
 
 
 def _computed(
-    blade: Blade, tables: Mapping[str, tuple[Sequence[Station], int]], *, quiet: bool
+    blade: Blade, tables: Mapping[str, tuple[Sequence[Station], int]]
 ) -> dict[str, Array]:
     """Frequencies [Hz] of clamped beams by name."""
     with tempfile.TemporaryDirectory(prefix="plymotion-") as temporary:

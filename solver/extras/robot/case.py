@@ -105,7 +105,7 @@ def robot_case(
     errors += [] if "units" in allow else _degrees(robot)
     errors += [] if {"inertia", "units"} & set(allow) else _dense(robot)
     errors = errors or _without_inertia(robot, heads, bodies)
-    names = _names(robot, bodies, errors)
+    names = _names(robot, errors)
     refuse(errors)
     made = _Writer(robot, heads, bodies, names, joints)
     return made.case(allow)
@@ -276,8 +276,8 @@ def _word(name: str, prefix: str) -> str:
     return word if word[:1].isalpha() and word != GROUND else f"{prefix}_{word}"
 
 
-def _names(robot: Robot, bodies: Mapping[str, Body], errors: list[str]) -> dict[str, str]:
-    """Return names of the case; `found` gets those that two elements share."""
+def _names(robot: Robot, errors: list[str]) -> dict[str, str]:
+    """Return names of the case; `errors` gets those that two elements share."""
     names: dict[str, str] = {}
     for what, elements in (("link", robot.links), ("joint", robot.joints)):
         taken: dict[str, str] = {}

@@ -60,7 +60,7 @@ def is_plain(body: BeamBody) -> bool:
     return body.line is None and not body.twist_deg
 
 
-def division(body: BeamBody, line: Line) -> Array:
+def division(body: BeamBody) -> Array:
     """Return the nodes of a beam as fractions of its length, (n,)."""
     if body.line is not None and body.line.nodes is not None:
         along = lengths_along(np.array(body.line.nodes))
@@ -287,7 +287,7 @@ def beam_spec(
     errors += check_motion(key, body)
     refuse(errors)
     line = None if is_plain(body) else line_of(body)
-    nodes = None if line is None else division(body, line)
+    nodes = None if line is None else division(body)
     own = {
         "body": name,
         "kind": "beam",

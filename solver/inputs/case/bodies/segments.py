@@ -194,7 +194,7 @@ class _Divided:
             return {"length": part, "elements": elements}, np.array([k * part, 0.0, 0.0]), np.eye(3)
         own = body.model_copy(update={"elements": n * elements})
         cuts = np.arange(n + 1) / n
-        nodes = np.unique(np.concatenate([division(own, self.line), cuts]))
+        nodes = np.unique(np.concatenate([division(own), cuts]))
         nodes = nodes[np.concatenate([[True], np.diff(nodes) > NEAR])]
         inside = (nodes > cuts[k] - NEAR) & (nodes < cuts[k + 1] + NEAR)
         nodes = nodes[inside]
