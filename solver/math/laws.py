@@ -126,19 +126,17 @@ def ramp(speed: float, duration: float, offset: float = 0.0, *, sine: bool = Fal
 
 def _sine_rise(speed: float, times: Array, offset: float) -> list[list[float]]:
     """Angle in pieces: the acceleration in Chebyshev points, degree 5, integrated twice."""
-    duration, length = float(times[-1]), float(times[1])
-    angle, rate, out = offset, 0.0, []
-    for begin in times[:-1]:
-
-        def acceleration(t: Array, begin: float = begin) -> Array:
-            return speed / duration * (1.0 - np.cos(2.0 * np.pi * (begin + t) / duration))
-
-        fit = np.polynomial.Chebyshev.interpolate(acceleration, 5, domain=[0.0, length])
-        piece = fit.convert(kind=np.polynomial.Polynomial, domain=[-1, 1], window=[-1, 1])
-        piece = piece.integ(1, k=rate).integ(1, k=angle)
-        out.append([float(c) for c in piece.coef])
-        angle, rate = float(piece(length)), float(piece.deriv()(length))
-    return out
+    duration, length, k = float(times[-1]), float(times[1]), np.arange(6)[:, None]
+    u = 0.5 - 0.5 * np.cos(np.pi * (k + 0.5) / 6)  # of a piece from 0 to 1
+    acceleration = (
+        speed / duration * (1.0 - np.cos(2 * np.pi * (times[:-1] + length * u) / duration))
+    )
+    rises = length * np.linalg.solve(u**k.T, acceleration) / (k + 1)
+    rate = np.cumsum([0.0, *rises.sum(axis=0)])[:-1]
+    turns = length * rises / (k + 2)
+    angle = offset + np.cumsum([0.0, *(length * rate + turns.sum(axis=0))])[:-1]
+    pieces = np.vstack([angle, length * rate, turns]) / length ** np.arange(N_COEFFICIENT)[:, None]
+    return [list(map(float, piece)) for piece in pieces.T]
 
 
 def table(times: Numbers, values: Numbers, interpolation: Pieces = "spline") -> Law:

@@ -53,6 +53,15 @@ def test_ramp_reaches_its_speed():
     assert value(law, 1.8) == pytest.approx([0.1 + 1.2 + 3.0, 3.0, 0.0])
 
 
+def test_sine_ramp_has_the_closed_form():
+    law, w = laws.ramp(6.0, 15.0, 0.3, sine=True), 2 * np.pi / 15.0
+    for t in np.linspace(0.0, 15.0, 101):
+        exact = [0.3 + 0.2 * t**2 + 0.4 * (np.cos(w * t) - 1.0) / w**2]
+        exact += [0.4 * (t - np.sin(w * t) / w), 0.4 * (1.0 - np.cos(w * t))]
+        assert value(law, t) == pytest.approx(exact, rel=1e-11, abs=1e-10)
+    assert value(law, 20.0) == pytest.approx([75.3, 6.0, 0.0], rel=1e-11, abs=1e-10)
+
+
 def test_table_passes_its_points_and_holds_the_last():
     times, values = [0.0, 0.3, 0.5, 1.1], [1.0, -1.0, 2.0, 0.5]
     for interpolation in ("linear", "pchip", "spline"):
