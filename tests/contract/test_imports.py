@@ -174,6 +174,15 @@ def test_a_run_imports_what_it_uses(repository: Path, tmp_path: Path) -> None:
     assert not loaded & {"shutil", "tempfile", "random", "numpy.random"}
     assert "plymotion.solver.report" not in loaded
     assert "plymotion.solver.inputs.case.load" not in loaded
+    words = ["modes", str(file), "--shapes", "0", "--out", str(tmp_path)]
+    done = subprocess.run(
+        [sys.executable, "-c", COMMAND_AND_LIST, *words],
+        capture_output=True,
+        text=True,
+        cwd=repository,
+    )
+    assert done.returncode == 0, done.stderr
+    assert not set(done.stdout.split()) & {"pydantic", "scipy.interpolate", "scipy.optimize"}
 
 
 WITHOUT_RARE_PARTS_OF_NUMPY = """

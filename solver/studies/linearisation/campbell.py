@@ -6,16 +6,17 @@ Modes at neighbouring speeds are matched by left vectors of one and right vector
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator, PPoly
-from scipy.optimize import linear_sum_assignment
 
 from ...math.arrays import Array, IntArray
 from ..tolerances import ALIKE_OVERLAP, CROSSING_FOUND, LEAST_OVERLAP, OVERDAMPED
 from .modes import Modes
 from .state_space import StateSpace
+
+if TYPE_CHECKING:
+    from scipy.interpolate import PchipInterpolator
 
 
 class Vectors(NamedTuple):
@@ -59,6 +60,8 @@ def match(one: Vectors, two: Vectors) -> Match:
         backward = np.abs(left.conj().T @ one.right).T
         overlaps = np.maximum(overlaps, np.nan_to_num(np.sqrt(forward * backward), posinf=0.0))
     overlaps = np.minimum(overlaps, 1.0)
+    from scipy.optimize import linear_sum_assignment  # 0.1 s, which a single state does without
+
     rows, columns = linear_sum_assignment(-overlaps)
     alike = overlaps[rows, columns] >= LEAST_OVERLAP
     rows, columns = rows[alike], columns[alike]
@@ -209,6 +212,8 @@ def crossings(
     harmonics : number of lines
     fixed : frequencies seen from axes at rest
     """
+    from scipy.interpolate import PchipInterpolator
+
     points = []
     for branch in range(diagram.frequencies.shape[1]):
         w = diagram.followed(fixed)[:, branch]
@@ -227,7 +232,7 @@ def crossings(
 def _crossing(
     diagram: Campbell,
     at: Callable[[float, Point | None], Point],
-    curve: PchipInterpolator,
+    curve: "PchipInterpolator",
     branch: int,
     n: int,
     s: int,
@@ -235,6 +240,8 @@ def _crossing(
     *,
     fixed: bool,
 ) -> Crossing:
+    from scipy.interpolate import PPoly
+
     low, high = float(diagram.speeds[s]), float(diagram.speeds[s_next])
     line = curve.c.copy()
     line[-1] -= n * curve.x[:-1]

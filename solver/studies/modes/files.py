@@ -1,5 +1,6 @@
 """Files of modes and Campbell diagrams: numbers, matrices, and shapes as pictures."""
 
+import json
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -7,7 +8,6 @@ import numpy as np
 from scipy.io import savemat
 
 from ...dynamics.model.coordinates import moved
-from ...inputs.case.write import dump
 from ...math.arrays import Array
 from ...package.common.container import new_file, set_text
 from ...package.common.files import is_ours, refuse_foreign, temporary_sibling, write_text
@@ -39,7 +39,7 @@ def write_modes(
     refuse_foreign(folder / "modes.json")
     folder.mkdir(parents=True, exist_ok=True)
     _write_linear(folder, result)
-    write_text(folder / "modes.json", dump(modes_content(result)))
+    write_text(folder / "modes.json", json.dumps(modes_content(result), indent=2) + "\n")
     files = ["modes.json", "linear.npz", "linear.mat"]
     if response is not None:
         # Magnitude and phase of each pair.
@@ -60,7 +60,7 @@ def write_campbell(folder: Path, diagram: Diagram) -> list[str]:
     refuse_foreign(folder / "campbell.json")
     folder.mkdir(parents=True, exist_ok=True)
     write_text(folder / "campbell.csv", diagram.csv())
-    write_text(folder / "campbell.json", dump(diagram.content()))
+    write_text(folder / "campbell.json", json.dumps(diagram.content(), indent=2) + "\n")
     draw(folder / "campbell.png", diagram)  # after the numbers: it needs matplotlib
     return ["campbell.png", "campbell.csv", "campbell.json"]
 

@@ -4,16 +4,14 @@ import tempfile
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...dynamics.model.coordinates import Spin
 from ...dynamics.model.model import Model
 from ...errors import InputError, PackageError
-from ...inputs.case.design import Case
-from ...inputs.case.load import load_case
 from ...inputs.case.record import case_file
-from ...inputs.case.write import write_case
 from ...math.arrays import Array
 from ...mechanism.build import build
 from ...mechanism.built import BuiltMechanism, Start
@@ -29,10 +27,12 @@ from ...mechanism.start import starting_state
 from ...run.execution import read_run
 from ...run.inputs import RunSpec
 from ...run.preparation import complete, prepare
-from ...workers.packages import build_packages, specs_of
 from ..cases import build_folder, chosen_run
 from ..linearisation.state_space import common_spin
 from .place import At
+
+if TYPE_CHECKING:
+    from ...inputs.case.design import Case
 
 # The run of a case, with packages built if out of date.
 
@@ -58,6 +58,8 @@ def read_spec(
         if run is not None and run != spec.run:
             raise InputError(f"--run {run}: {file} is run {spec.run}; expected a case file")
         return spec, file.parent.parent
+    from ...inputs.case.load import load_case  # 0.2 s, which a run file does without
+
     file = case_file(file)
     case = load_case(file, coarse=coarse, sweeps=())
     build = build_folder(file, coarse=coarse)
@@ -67,7 +69,7 @@ def read_spec(
         raise PackageError(f"{error}; `plymotion {file}` builds the packages") from None
 
 
-def spec_of_run(case: Case, name: str, build: Path, packages: Path | None) -> RunSpec:
+def spec_of_run(case: "Case", name: str, build: Path, packages: Path | None) -> RunSpec:
     """Return a run of a checked case with its packages, built into build/bodies if out of date.
 
     The run file of the folder stays as it is. Raises as `read_spec`.
@@ -79,6 +81,9 @@ def spec_of_run(case: Case, name: str, build: Path, packages: Path | None) -> Ru
     build : folder of the results of the case
     packages : folder of packages that are ready; None: they are built
     """
+    from ...inputs.case.write import write_case
+    from ...workers.packages import build_packages, specs_of
+
     with tempfile.TemporaryDirectory(prefix="plymotion-") as temporary:
         out = Path(temporary)
         write_case(case, out, packages or build / "bodies")
