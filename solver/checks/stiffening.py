@@ -29,6 +29,10 @@ from .finished import FinishedRun
 from .stability import Loading, SpinMonitor, buckling_text, geometric_stiffness, joints_hold
 from .tolerances import FREE_MODE, WHIRLS
 
+WITH_DATA = (
+    "Beams of up to 40 modes have them since format 1.3 of the package, shells and solids with "
+    "second_order = true: build it again. Imported bodies and measured modes have none"
+)
 MOST_FREE = 41  # states of which the mass of free motions is computed, a dense problem
 
 
@@ -40,17 +44,18 @@ def stiffening_findings(run: FinishedRun) -> Iterator[Finding]:
             if package.second_order is None and package.n_mode:
                 text = (
                     f"{name}: geometric_stiffening was asked for, but the package of the body has "
-                    "no second-order data: the body stays linear. Beams of up to 40 modes have "
-                    "them since format 1.3 of the package, shells with second_order = true: build "
-                    "it again"
+                    f"no second-order data: the body stays linear. {WITH_DATA}"
                 )
                 yield NO_STIFFENING_DATA.finding(text, body=name)
+    spin = SpinMonitor(run.model, run.built.body_names, stop=False)
+    for i, name in enumerate(run.built.body_names):
+        if i in spin.safe_spin and run.packages[name].second_order is None:
+            yield from _of_spin(run, i, spin.safe_spin[i])
     if all(package.second_order is None for package in run.packages.values()):
         return
     again = None if asked else build(run.mechanism, dict(run.packages), stiffening=True)
     tables = again.model if again else run.model
     loading = Loading(run.model)
-    spin = SpinMonitor(run.model, run.built.body_names, stop=False)
     for i, name in enumerate(run.built.body_names):
         if name not in run.packages or run.packages[name].second_order is None:
             continue
@@ -58,6 +63,39 @@ def stiffening_findings(run: FinishedRun) -> Iterator[Finding]:
             yield from _of_stiffened(run, i, loading, spin)
         else:
             yield from _of_linear(run, tables, i, loading, spin)
+
+
+def _of_spin(run: FinishedRun, i: int, frequency: float) -> Iterator[Finding]:
+    """Yield a body without second-order data whose geometric stiffness by its spin is not small.
+
+    Its size relative to the elastic stiffness is (spin / frequency)^2 of a rod that spins across
+    its axis, and none of one that spins about it: by the work of the centrifugal forces on the
+    body's own extent. Other loads than those of the spin are not looked at.
+
+    Parameters
+    ----------
+    i : number of the body
+    frequency : lowest of the body in its frame [rad/s]
+    """
+    name, model = run.built.body_names[i], run.model
+    of_body = run.packages[name].invariants
+    C = of_body.T00_B - np.outer(of_body.S0_B, of_body.S0_B) / of_body.mass  # about the centre
+    first = model.n_pos + int(model.vel_start[i]) + 3
+    stretch = np.eye(3) - C / np.trace(C)
+
+    def share(_t: Array, y: Array) -> Array:
+        w = y[:, first : first + 3]
+        return np.einsum("ka,ab,kb->k", w, stretch, w) / frequency**2
+
+    t, values = run.scan(share, run.look.stiffening)
+    k = int(np.argmax(values))
+    if values[k] > MATTERS.limit:
+        text = (
+            f"{name}: at t = {t[k]:.4g} s the geometric stiffness of the body's spin is about "
+            f"{values[k]:.2g} of its elastic one (a linear body neglects it: expected below "
+            f"{MATTERS.limit:g}), and its package has no second-order data. {WITH_DATA}"
+        )
+        yield MATTERS.finding(text, body=name, t=float(t[k]), value=float(values[k]))
 
 
 def _of_stiffened(

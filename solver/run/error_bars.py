@@ -176,6 +176,8 @@ def not_contained(spec: RunSpec) -> list[str]:
     missing = ["theory of beams and shells apart from held ends"] if packages else []
     unknown = [name for name, package in packages.items() if package.stiffness_error is None]
     missing += [f"mesh and section of {' and '.join(unknown)}"] if unknown else []
+    linear = [name for name, package in packages.items() if package.second_order is None]
+    missing += [f"geometric stiffening of {' and '.join(linear)}"] if linear else []
     unknown = [name for name in packages if _requests(spec, name) is None]
     return [*missing, *(f"modes of {name}" for name in unknown)]
 

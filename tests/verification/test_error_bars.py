@@ -1,6 +1,7 @@
 """Error bars of runs beside their true errors, and where they are said."""
 
 import json
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -16,7 +17,7 @@ from plymotion.solver.report.sections import signals_section
 from plymotion.solver.report.story import Story
 from plymotion.solver.report.table import summary_table
 from plymotion.solver.results.file import read_result
-from plymotion.solver.run.error_bars import with_error_bars
+from plymotion.solver.run.error_bars import not_contained, with_error_bars
 from plymotion.solver.run.execution import execute, run_file
 from plymotion.solver.run.inputs import RunSpec
 from plymotion.solver.studies.runs import error_bars_line
@@ -97,6 +98,13 @@ def test_a_second_run_that_ends_early_leaves_no_bars() -> None:
     with_error_bars(summary, spec, result, lambda one: silent(one.changed({"solver.t_end": 0.05})))
     assert {signal["error_bar"] for signal in summary["signals"].values()} == {None}
     assert "the coarser run ended early" in error_bars_line(summary)
+
+
+def test_bodies_without_second_order_data_are_said_to_lack_stiffening() -> None:
+    spec = chosen_modes(pendulum(), "stiff", [BENDING])
+    assert not any("geometric stiffening" in line for line in not_contained(spec))
+    linear = {name: replace(p, second_order=None) for name, p in spec.packages.items()}
+    assert "geometric stiffening of link0" in not_contained(replace(spec, packages=linear))
 
 
 def test_reactions_at_a_sudden_start_have_no_bar() -> None:

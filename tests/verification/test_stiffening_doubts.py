@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -128,6 +129,26 @@ def test_states_are_solved_once_for_all_bodies():
 @pytest.mark.parametrize(("factor", "expected"), [(0.04, []), (0.06, ["stiffening-matters"])])
 def test_a_linear_body_is_told_from_a_twentieth_on(factor, expected):
     assert found_codes(factor * EULER)[0] == expected
+
+
+@pytest.mark.parametrize(
+    ("axis", "share", "expected"),
+    [(1, 0.04, []), (2, 0.06, ["stiffening-matters"]), (0, 4.0, [])],  # 0: about itself
+)
+def test_a_spinning_body_without_second_order_data_is_told_too(axis, share, expected):
+    package, mechanism = column(0.0)
+    package = replace(package, second_order=None)
+    built = build(mechanism, {"column": package})
+    model = built.model
+    y = np.zeros((1, model.n_pos + model.n_vel + 1))
+    y[0, 3] = 1.0
+    slowest = SpinMonitor(model, ["column"]).safe_spin[0]
+    assert slowest == pytest.approx(3.516 * np.sqrt(K[5, 5] / MASS[0, 0]) / LENGTH**2, rel=0.01)
+    y[0, model.n_pos + 3 + axis] = np.sqrt(share) * slowest
+    rest = Solution(np.zeros(1), y, "finished", "")
+    found = list(stiffening_findings(FinishedRun(mechanism, built, Treatment(), rest)))
+    assert [finding.code for finding in found] == expected
+    assert [finding.value for finding in found] == pytest.approx([share] * len(expected), rel=0.01)
 
 
 STATE = """
