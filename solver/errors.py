@@ -145,6 +145,8 @@ def not_by_check(file: Path, what: str, cause: object) -> InputError:
     what : what was expected, as "run file"
     cause : error or text that says why it is none
     """
+    if isinstance(cause, OSError):
+        return InputError(f"{file}: {cause.strerror}; expected a {what} of `plymotion check`")
     why = f"no key {cause}" if isinstance(cause, KeyError) else cause
     if file.suffix == ".toml":
         why = f"a TOML file; of a case: `plymotion {file}`, for a sweep with --sweep NAME"

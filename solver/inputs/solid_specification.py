@@ -79,6 +79,8 @@ def solid_spec(file: Path, material: str | None, size: float | None) -> SolidSpe
     InputError
         See `solid_table`; a CAD file without a material.
     """
+    if not file.exists():
+        raise InputError(f"{file}: no such file")
     if file.suffix.lower() in CAD:
         table: dict[str, object] = {
             "mesh": {"file": file.name},

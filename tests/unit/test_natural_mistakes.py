@@ -323,6 +323,21 @@ def test_a_sweep_file_for_run(tmp_path: Path, capsys: pytest.CaptureFixture[str]
     assert "not a run file (a sweep, which `plymotion sweep` computes)" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["run", "no.json"], "no.json: No such file or directory; expected a run file of"),
+        (["solid", "no.step"], "no.step: no such file"),
+        (["solid", "part.stl"], "part.stl: expected a STEP or IGES file, or a description"),
+    ],
+)
+def test_files_of_commands(words, message, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    Path("part.stl").write_text("solid part\nendsolid part\n")
+    assert main(words) == 2
+    assert message in capsys.readouterr().err
+
+
 def test_keys_of_an_analysis_are_those_of_its_file(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
