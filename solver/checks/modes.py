@@ -83,7 +83,7 @@ def mode_findings(run: FinishedRun) -> Iterator[Finding]:
             share = part * max(strained, fast) / peak if peak > 0.0 else 0.0
             if share > CUT_EARLY.limit:
                 advice = "take more modes"
-                if strained > fast:
+                if strained > fast and "experimental" not in package.mode_kinds:
                     advice += f', or modes of kind "attachment" at {", ".join(bare)}'
                 text = (
                     f"{name}: {family.words()} {share:.1%} of the peak strain energy "
@@ -93,12 +93,22 @@ def mode_findings(run: FinishedRun) -> Iterator[Finding]:
 
 
 def _families(package: ModalPackage) -> list[_Family]:
-    """Group the vibrations by their labels without the number; one group without labels."""
+    """Group the vibrations by their labels without the number, or by the axis of their motion.
+
+    Labels of measured modes are those of the user, and those of other bodies name no family.
+    """
     rows: dict[str, list[int]] = {}
+    energies = np.einsum("aakk->ka", package.invariants.T11_B)  # of a mode, along the axes
     for k, kind in enumerate(package.mode_kinds):
         if kind in VIBRATION:
             label = package.mode_labels[k] if package.mode_labels else ""
-            rows.setdefault(label.rpartition(" ")[0], []).append(k)
+            family = label.rpartition(" ")[0]
+            if kind == "experimental" or family not in DIRECTIONS:
+                turns = energies[k].sum() < 0.5 * package.mass[k, k]
+                family = (
+                    "rotational" if turns else f"{'xyz'[int(np.argmax(energies[k]))]}-direction"
+                )
+            rows.setdefault(family, []).append(k)
     return [_Family(name, members) for name, members in rows.items()]
 
 

@@ -256,6 +256,13 @@ def test_families_are_judged_one_by_one(tmp_path):
     assert "the highest of 2 bending-xy vibration modes" in message
     assert 'modes of kind "attachment" at tip' in message
 
+    labels = ("first", "second", "third")  # of a test: families are those of the motion
+    measured = dataclasses.replace(both, mode_kinds=("experimental",) * 3, mode_labels=labels)
+    found = judged(tmp_path, pushed([0, 1.0, 0], 0.2 * BEND), {"column": measured}, **RADAU)
+    message = found.finding("modes-cut-early")["message"]
+    assert "the highest of 2 y-direction vibration modes" in message
+    assert message.endswith("take more modes")
+
 
 WEIGHT = "gravity = [0.0, -9.81, 0.0]\n" + pushed([0, 1.0, 0], 1e-6)
 SHOULDER = WEIGHT.replace('"fixed"', '"revolute"\ndrive = { polynomial = [0.0, 0.0, 100.0] }')
