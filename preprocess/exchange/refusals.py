@@ -131,9 +131,10 @@ def _rigid_motions(body: FreeBody) -> None:
     )
     reason = (
         "the coordinates do not belong to the matrices: compare the order of the nodes, their "
-        "labels and the unit of length"
+        "labels, the unit of length and the axes of the nodes"
         if min(held) > 2
-        else "the body is held: remove supports, springs to the ground and constraints"
+        else "the body is held: remove supports, springs to the ground and constraints; or nodes "
+        "have axes of their own, or the numbers too few digits"
     )
     raise InputError(
         f"{body.where}: expected six rigid motions without force, |K R| / |K||R| <= {FREE:.0e}; "

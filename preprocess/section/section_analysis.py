@@ -120,7 +120,7 @@ def analyse(
         accuracy = None
         problem, divided = _as_before(spec, where, discretisation, team)
     elif problem is None:
-        problem = section_problem(spec["mesh"], where, degree_of(spec), team)
+        problem = section_problem(spec, where, degree_of(spec), team)
     compare = estimate or accuracy is not None
     # of a twisted section, the round-off is measured at the degree that it is raised to
     raised = compare and curvature_of(spec) is not None and "degree" not in spec["mesh"]
@@ -335,7 +335,7 @@ def _as_before(
 ) -> tuple[SectionProblem, list[NDArray[np.bool_]]]:
     """The problem with a known degree and known divisions, and these."""
     degree = discretisation["degree"]
-    problem = section_problem(spec["mesh"], where, degree, team)
+    problem = section_problem(spec, where, degree, team)
     cells, divided = problem.mesh.cells, []
     for rows in discretisation["divided"]:
         if rows and not 0 <= min(rows) <= max(rows) < cells.n_cell:

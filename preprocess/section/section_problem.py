@@ -4,6 +4,7 @@ Meshes are kept for all lay-ups. A solution is that of a field of some degree, a
 more, whose difference is the estimate.
 """
 
+import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -12,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from ...solver.math.arrays import Array
+from ...solver.package.common.plain_data import canonical
 from .. import fenicsx
 from .estimate import (
     REGULAR,
@@ -24,7 +26,7 @@ from .estimate import (
 from .helical import CentralSolutions, central_solutions
 from .recovery import Result
 from .section_specification import ALLOWED, IllConditioned, SectionError, curvature_of
-from .space.layers import Layup, layup
+from .space.layers import Layup, along_walls, layup
 from .space.section_cells import turned
 from .space.section_mesh import SectionMesh, section_mesh
 from .space.space import SectionSpace
@@ -212,13 +214,13 @@ class SectionProblem:
 
 
 def section_problem(
-    mesh_spec: Mapping[str, Any], where: str, degree: int | None, team: fenicsx.Team = fenicsx.ALONE
+    spec: Mapping[str, Any], where: str, degree: int | None, team: fenicsx.Team = fenicsx.ALONE
 ) -> SectionProblem:
     """The problem on the mesh of a description.
 
     Parameters
     ----------
-    mesh_spec : table `mesh`
+    spec : tables `mesh` and `regions`
     where : file or section, for messages
     degree : of the warping; None: the functions of the nodes of the mesh
     team : processes that share the matrices; a mesh of few cells is solved by each
@@ -228,7 +230,9 @@ def section_problem(
     SectionError
         A degree of the field below that of the geometry.
     """
-    mesh = section_mesh(mesh_spec, where)
+    mesh = section_mesh(spec["mesh"], where)
+    if "file" in spec["mesh"] and mesh.cells.degree == 2:
+        mesh = _along_walls(mesh, canonical(spec["regions"]), where)
     if degree is not None and degree < mesh.cells.degree:
         raise SectionError(
             f"{where}.mesh.degree = {degree}: expected at least {mesh.cells.degree}, the degree of "
@@ -237,6 +241,11 @@ def section_problem(
     if mesh.cells.n_cell < team.size:
         team = fenicsx.ALONE
     return _kept(mesh, degree, team)
+
+
+@lru_cache(maxsize=KEPT)
+def _along_walls(mesh: SectionMesh, regions: str, where: str) -> SectionMesh:
+    return along_walls(mesh, json.loads(regions), where)
 
 
 @lru_cache(maxsize=KEPT)
@@ -275,7 +284,7 @@ def compared(solved: Solved, spec: Mapping[str, Any], where: str, *, first: bool
     """
     coarse, degree = solved.problem, solved.problem.space.degree + 1
     if first:  # that of a mesh without refinement is kept for others
-        problem = section_problem(spec["mesh"], where, degree, coarse.team).like(coarse)
+        problem = section_problem(spec, where, degree, coarse.team).like(coarse)
     else:
         problem = SectionProblem(coarse.mesh, degree, coarse.team).like(coarse)
     lay = layup(spec, problem.mesh, problem.space, where)

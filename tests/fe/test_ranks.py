@@ -142,7 +142,7 @@ for name, spec in specs.items():
             problem = ShellProblem(spec, name, own)
             parts.append(problem.freedom.reduced(problem.K))
         else:
-            problem = section_problem(spec["mesh"], name, 2, own)
+            problem = section_problem(spec, name, 2, own)
             C = layup(spec, problem.mesh, problem.space, name).stiffness
             parts.append(problem.space.E(C[problem.space.own]))
             cells = len(problem.space.gradients)

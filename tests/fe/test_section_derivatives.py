@@ -308,7 +308,7 @@ def test_strength_ratio() -> None:
 @pytest.mark.one_end
 def test_stiffness_is_homogeneous() -> None:
     """With dC = C, Euler's theorem gives dS = -S, so that dK = K."""
-    problem = section_problem(PRISMATIC["mesh"], "section", 2)
+    problem = section_problem(PRISMATIC, "section", 2)
     lay = layup(PRISMATIC, problem.mesh, problem.space, "section")
     result = solve(problem, lay, "section", PRISMATIC, measured=False)
     factorised = problem.factorised(result, lay.stiffness)

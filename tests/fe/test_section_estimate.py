@@ -104,7 +104,7 @@ def quarters(folder: Path, layout: str) -> dict[str, Any]:
 
 def refined_at_corners(spec: dict[str, Any], levels: int) -> Any:
     """K of degree 3 on cells that are halved towards the corners of all blocks."""
-    problem = section_problem(spec["mesh"], "quarters", 2)
+    problem = section_problem(spec, "quarters", 2)
     cells = problem.mesh.cells
     places = 0.3 * np.stack(np.meshgrid(*2 * [np.arange(4)]), axis=-1).reshape(-1, 2)
     for _ in range(levels):

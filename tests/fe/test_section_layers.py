@@ -8,7 +8,9 @@ import pytest
 
 from plymotion.preprocess.section.section_analysis import analyse
 from plymotion.preprocess.section.section_specification import SectionError
-from plymotion.preprocess.section.space.layers import nearest_on_curve
+from plymotion.preprocess.section.space.layers import along_walls, nearest_on_curve
+from plymotion.preprocess.section.space.section_cells import CellMesh
+from plymotion.preprocess.section.space.section_mesh import SectionMesh
 from plymotion.preprocess.section.timoshenko import scaled
 
 CARBON = {
@@ -149,6 +151,49 @@ def test_circle_and_curve_give_the_same_tube(tmp_path: Path) -> None:
     # the library's tube has another mesh of the same section
     library = tube(plies, {"circle": [0.0, 0.0]}, [0.25, 0.5, 0.75, 1.0])
     assert scaled(stiffness(library) - K, K).max() < 1e-4
+
+
+@pytest.mark.one_end
+def test_edges_between_plies_follow_the_wall_where_gmsh_leaves_them_straight(
+    tmp_path: Path,
+) -> None:
+    """The same rows in one surface. They were straight, and K wrong by 1e-2, ten times as much as
+    was estimated."""
+    one = RING.replace("j In {0:4}", "j In {0:4:4}").replace("j In {0:3}", "j In {0:0}")
+    one = one.replace("{1:44}", "{1:4, 41:44}").replace("(j + 1)", "(j + 4)")
+    one = one.replace("+ 1} = 2;", "+ 1} = 5;").replace("{1:4, 11:14, 21:24, 31:34}", "{1:4}")
+    plies = [{"material": "carbon", "angle_deg": a} for a in (90.0, 45.0, 0.0, 30.0)]
+    K = []
+    for text, direction in (
+        (RING, {"circle": [0.0, 0.0]}),
+        (one, {"circle": [0.0, 0.0]}),
+        (one, {"curve": "outer"}),
+    ):
+        (tmp_path / "ring.geo").write_text(text)
+        ring = tube(plies, direction, [])
+        ring["mesh"] = {"file": str(tmp_path / "ring.geo")}
+        K.append(stiffness(ring))
+    assert scaled(K[1] - K[0], K[0]).max() < 1e-6
+    assert scaled(K[2] - K[0], K[0]).max() < 1e-6
+
+
+def test_edges_between_two_sides_stay_straight() -> None:
+    """From the depths 0 to 0.4 of a block between two outer faces; at 0.3, its middle has 0.3."""
+    x, y = np.meshgrid([0.0, 0.5, 1.0, 1.5, 2.0], [0.0, 0.3, 0.6, 0.8, 1.0])
+    row = np.arange(25).reshape(5, 5)
+    blocks = [row[j : j + 3, i : i + 3] for i, j in ((0, 0), (2, 0), (0, 2), (2, 2))]
+    order = [(0, 0), (0, 2), (2, 2), (2, 0), (0, 1), (1, 2), (2, 1), (1, 0), (1, 1)]
+    cells = CellMesh(
+        np.column_stack([x.ravel(), y.ravel()]),
+        np.array([[block[at] for at in order] for block in blocks]),
+        np.ones(4, dtype=np.int64),
+        np.zeros(4, dtype=np.int64),
+        ("block",),
+    )
+    faces = np.array([[[0.0, 0.0], [2.0, 0.0]], [[0.0, 1.0], [2.0, 1.0]]])
+    mesh = SectionMesh(cells, {"outer": faces})
+    regions = {"block": {"plies": [{}, {}], "direction": {"curve": "outer"}}}
+    assert along_walls(mesh, regions, "block") is mesh
 
 
 def test_equal_shares_without_thickness() -> None:

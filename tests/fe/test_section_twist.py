@@ -383,7 +383,7 @@ def test_thin_twisted_strip_is_raised_in_degree() -> None:
 
 def without_trials(spec: dict[str, Any]) -> Any:
     """K (6, 6) of a description; its round-off is not measured, which is most of the work."""
-    problem = section_problem(spec["mesh"], "strip", spec["mesh"]["degree"])
+    problem = section_problem(spec, "strip", spec["mesh"]["degree"])
     lay = layup(spec, problem.mesh, problem.space, "strip")
     return solve(problem, lay, "strip", spec, measured=False).K
 

@@ -42,7 +42,7 @@ def test_thin_strips() -> None:
 @pytest.mark.provokes("verification-differs")
 def test_a_wrong_stiffness_is_found() -> None:
     spec = rectangle_spec(2.0, 1.0, METAL)
-    problem = section_problem(spec["mesh"], "section", 2)
+    problem = section_problem(spec, "section", 2)
     C = layup(spec, problem.mesh, problem.space, "section").stiffness
     K = analyse(spec, estimate=False).K
     for share, codes in ((0.0, []), (1e-5, ["verification-differs"])):

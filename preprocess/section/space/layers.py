@@ -13,8 +13,11 @@ from ....solver.math.arrays import Array
 from ....solver.package.common.materials import Anisotropic, Orthotropic, bond, elastic_from_dict
 from ....solver.package.common.recovery_schema import Ply
 from ..section_specification import OF_MESH, SectionError
+from .mesh_checks import checked
+from .section_cells import edges_of
 from .section_mesh import SectionMesh
 from .space import SectionSpace
+from .tolerances import BOWED, STRAIGHT
 
 SAMPLES = 8  # per element, to find the nearest element
 CANDIDATES = 4  # candidate elements for each point
@@ -200,6 +203,52 @@ def layup(spec: Mapping[str, Any], mesh: SectionMesh, space: SectionSpace, where
         )
     uniform = not turning and not mixed
     return Layup(ply, y2, tuple(plies), tuple(materials), uniform, reversing, tuple(warnings))
+
+
+def along_walls(mesh: SectionMesh, regions: Mapping[str, Any], where: str) -> SectionMesh:
+    """The mesh with edges inside laminates that are as curved as their walls.
+
+    gmsh puts the middles of edges inside a surface half way between their ends. The plies between
+    them would be too thick or too thin by the square of the length over 12 radii.
+
+    Parameters
+    ----------
+    mesh : mesh of a file
+    regions : table `regions` of the description
+    where : file or section, for messages
+    """
+    cells = mesh.cells
+    points, moved = cells.points.copy(), np.zeros(cells.points.shape)
+    for name, region in _of_mesh(regions, cells.regions).items():
+        direction = region.get("direction") or {}
+        if len(region["plies"]) < 2 or not {"circle", "curve"} & set(direction):
+            continue
+        at = [row for row, known in enumerate(cells.regions) if known == name]
+        ends, middle = edges_of(
+            (kind, cells.nodes[rows[np.isin(cells.region[rows], at)]])
+            for kind, rows in cells.of_kinds
+        )
+        number, first, count = np.unique(middle, return_index=True, return_counts=True)
+        inside = (count == 2) & (number >= 0)
+        number, ends = number[inside], ends[first[inside]]
+        a, b, x = points[ends[:, 0]], points[ends[:, 1]], points[number]
+        length = np.linalg.norm(b - a, axis=1)
+        turns = _Direction(direction, mesh, f"{where}.regions.{name}")
+        y2, depth = turns.at(x)
+        bow = depth - 0.5 * (turns.at(a)[1] + turns.at(b)[1])
+        straight = np.linalg.norm(x - 0.5 * (a + b), axis=1) < STRAIGHT * length
+        follows = straight & (np.abs(bow) > STRAIGHT * length) & (np.abs(bow) < BOWED * length)
+        bow = np.where(follows, bow, 0.0)[:, None]
+        moved[number] = bow * np.column_stack([-y2[:, 1], y2[:, 0]])
+    if not moved.any():
+        return mesh
+    points += moved
+    whole = cells.nodes[cells.nodes[:, 8] >= 0]  # their centres follow
+    points[whole[:, 8]] += 0.5 * moved[whole[:, 4:8]].sum(axis=1)
+    try:
+        return replace(mesh, cells=checked(replace(cells, points=points), where)[0])
+    except SectionError:  # cells of a sharp corner would fold
+        return mesh
 
 
 def _of_mesh(regions: Mapping[str, Any], names: Sequence[str]) -> Mapping[str, Any]:

@@ -254,7 +254,7 @@ def refined(mesh: CellMesh, marked: NDArray[np.bool_]) -> CellMesh:
         mesh.regions,
         layer_angle=angles,
     )
-    ends, middle = _edges(zip([kind for kind, _ in of_kinds], parents, strict=True))
+    ends, middle = edges_of(zip([kind for kind, _ in of_kinds], parents, strict=True))
     split = np.concatenate([mesh.hanging, np.column_stack([ends, middle])])
     keys, first = np.unique(_keys(split[:, :2]), return_index=True)
     left = np.isin(keys, _keys(np.column_stack(new.edge_table[1:])))
@@ -266,7 +266,7 @@ def _keys(ends: IntArray) -> IntArray:
     return np.asarray(np.sort(ends, axis=1) @ [STEP, 1])
 
 
-def _edges(tables: Iterable[tuple[int, IntArray]]) -> tuple[IntArray, IntArray]:
+def edges_of(tables: Iterable[tuple[int, IntArray]]) -> tuple[IntArray, IntArray]:
     """Ends (e, 2) of the edges in tables of nodes by kind, and nodes in their middles (e,)."""
     ends, middle = [], []
     for kind, nodes in tables:
@@ -298,7 +298,7 @@ class _Nodes:
     def __init__(self, mesh: CellMesh) -> None:
         self.points = [mesh.points]
         self._count = len(mesh.points)
-        ends, middle = _edges((kind, mesh.nodes[rows]) for kind, rows in mesh.of_kinds)
+        ends, middle = edges_of((kind, mesh.nodes[rows]) for kind, rows in mesh.of_kinds)
         ends = np.concatenate([ends, mesh.hanging[:, :2]])
         middle = np.concatenate([middle, mesh.hanging[:, 2]])
         there = middle >= 0
@@ -311,7 +311,7 @@ class _Nodes:
         """Tables of nodes (c, 9) of some kinds, with a node in the middle of each edge and in each
         centre, from the kind and the places (c, 6 or 9, 2) of its nodes."""
         kinds = [kind for kind, _ in of_kinds]
-        ends, _ = _edges(zip(kinds, tables, strict=True))
+        ends, _ = edges_of(zip(kinds, tables, strict=True))
         places = [x[:, CORNERS[kind] : 2 * CORNERS[kind]].reshape(-1, 2) for kind, x in of_kinds]
         keys, first, number = np.unique(_keys(ends), return_index=True, return_inverse=True)
         node = np.full(len(keys), ABSENT)

@@ -305,15 +305,15 @@ def foot_without_room(
 
 def crossing(webs: list[WebLayers], nose: float) -> str | None:
     """Tell of a web with both ends on one side of the leading edge `nose`, or of two that cross."""
-    spans = [(web.name, *sorted((web.start, web.end))) for web in webs]
+    spans = [(web.name, min(web.start, web.end), max(web.start, web.end)) for web in webs]
     for name, low, high in spans:
         if not low < nose < high:
             return (
                 f"structure.webs: {name}: from the arc {low:.5f} to {high:.5f}; expected one on "
                 f"each side of the leading edge, {nose:.5f}"
             )
-    for (one, *a), (two, *b) in itertools.combinations(spans, 2):
-        if (a[0] - b[0]) * (a[1] - b[1]) > 0.0:
+    for (one, low, high), (two, first, last) in itertools.combinations(spans, 2):
+        if (low - first) * (high - last) > 0.0:
             return f"structure.webs: {one} and {two} cross; expected webs side by side"
     return None
 
