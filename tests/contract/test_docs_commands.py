@@ -1,21 +1,20 @@
-"""What the pages tell a user to type: commands that exist, excerpts of files that are there."""
+"""What the pages tell a user to type: commands, options and keys that exist."""
 
 import re
 import shlex
+import tomllib
 from pathlib import Path
+from textwrap import dedent
 
 import pytest
+from jsonschema import Draft202012Validator
 
 from plymotion.solver.__main__ import parser
+from plymotion.solver.inputs.json_schema import KINDS, json_schema
 
 FENCED = re.compile(r"^```(\w*)\n(.*?)^```", re.MULTILINE | re.DOTALL)
+INDENTED = re.compile(r"(?:^    .*\n|^\n(?=    ))+", re.MULTILINE)
 COMMAND = re.compile(r"^(?:    |\t)?(?:\.venv/bin/)?(plymotion [^\n]*|make [^\n]*)$", re.MULTILINE)
-# Excerpts of a tutorial, and where they come from.
-TUTORIALS = {
-    "robot-arm.md": "cases/robot-arm/*.toml",
-    "antenna-panel.md": "cases/antenna-panel/*.toml",
-    "section.md": "cases/sections/box-layup-2.toml",
-}
 
 
 def pages(repository: Path) -> list[Path]:
@@ -81,17 +80,23 @@ def test_targets_of_the_pages_exist(repository: Path) -> None:
     assert wrong == []
 
 
-@pytest.mark.parametrize("name", TUTORIALS)
-def test_excerpts_of_a_tutorial_are_in_its_files(repository: Path, name: str) -> None:
-    files = repository.glob(TUTORIALS[name])
-    known = {line.partition("#")[0].strip() for f in files for line in f.read_text().splitlines()}
-    text = (repository / "docs/tutorials" / name).read_text("utf-8")
-    wrong = []
-    for kind, block in FENCED.findall(text):
-        lines = [line.partition("#")[0].strip() for line in block.splitlines()]
-        if kind != "toml" or "[bodies.arm]" in lines:  # an example of the page alone
-            continue
-        wrong += [line for line in lines if line and line not in known]
+def test_parts_of_input_files_have_keys_and_values_that_exist(repository: Path) -> None:
+    """Each is a part of a case, a section, a shell or a solid."""
+    kinds = [Draft202012Validator(json_schema(kind)) for kind in KINDS]
+    wrong, found = [], 0
+    for page in pages(repository):
+        text = page.read_text("utf-8")
+        parts = [part for kind, part in FENCED.findall(text) if kind == "toml"]
+        indented = [dedent(part).strip() for part in INDENTED.findall(FENCED.sub("", text))]
+        for table in map(tomllib.loads, [*parts, *(p for p in indented if p.startswith("["))]):
+            if "from" in table:  # a body of another code: no schema
+                continue
+            if "minimise" in table:
+                table = {"design": {"studies": {"front": table}}}
+            errors = [[e for e in k.iter_errors(table) if e.validator != "required"] for k in kinds]
+            wrong += [f"{page.name}: {min(errors, key=len)[0].message}"] if all(errors) else []
+            found += 1
+    assert found > 50
     assert wrong == []
 
 
