@@ -226,7 +226,7 @@ def many_parameters(folder: Path, count: int = 1000) -> dict[str, Any]:
     trace, begin = Trace(prepared), time.process_time()
     finished = integrated(prepared, trace, stages=True)
     run, begin = time.process_time() - begin, time.process_time()
-    kept, shares = combined(spec, [one.name for one in design])
+    kept, shares = combined([spec], [one.name for one in design])
     parameters = [design_parameter(spec, f"g{k}") for k in kept]
     traced = Traced(prepared, finished, trace, ["tip_deflection"])
     made = Made(spec, finished, prepared.measured, Recording(prepared.model, finished.solution.t,

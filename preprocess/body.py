@@ -7,12 +7,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-import numpy as np
-
 from ..solver.math.arrays import Array
 from ..solver.math.independent import independent
 from ..solver.package.body.package_schema import ModalPackage, SectionData
-from ..solver.package.common.design import moved
 from ..solver.package.common.plain_data import SpecError, canonical, toml_text
 from ..solver.package.common.recovery_schema import SectionRecovery
 from ..solver.package.section.section_schema import SectionFile
@@ -28,7 +25,7 @@ from .beam.beam_body import (
 )
 from .beam.beam_specification import BeamSpec, read_spec
 from .beam.line import LineSection
-from .beam.sections import StationSection, analysed_section, given_section, is_given
+from .beam.sections import StationSection, analysed_section, given_section, is_given, line_rate
 from .design import body_parameters, change_of_inputs, derivatives, of_parameters
 from .fenicsx import eigenpairs
 from .parameters import Parameter
@@ -37,7 +34,7 @@ from .section.section_analysis import analyse
 
 # Stresses of a package are recovered at the points of this rule: four in a quadrilateral.
 RECOVERY_DEGREE = 3
-SAME = 1e-12  # of the largest change of sections, below which there is none: rounding
+SAME = 1e-9  # of the largest change of sections, below which there is none: their error
 
 
 def build_body(spec: Mapping[str, object], **team: Any) -> ModalPackage:
@@ -115,10 +112,10 @@ def _build_beam(spec: Mapping[str, object]) -> ModalPackage:
     if not parameters:
         return package
 
-    linear = bool(spec.get("design_linear"))
+    without: Any = spec.get("design_without", ())
 
     def at(parameter: Parameter, distance: float) -> tuple[BeamModel, list[SectionData]]:
-        """The beam with a parameter moved, and its sections without rounding."""
+        """The beam with a parameter moved, and its sections without stresses."""
         own = (t.factor for t in parameter.targets if t.path == "damping_ratio")
         # all else that may move is in the sections
         changed = replace(beam, damping_ratio=beam.damping_ratio + distance * sum(own))
@@ -127,56 +124,95 @@ def _build_beam(spec: Mapping[str, object]) -> ModalPackage:
         return moved, sections.data(at_stations)
 
     asked = [p.linear() if sections.is_analysed(p) else p for p in parameters]
-    kept, shares = list(range(len(asked))), np.eye(len(asked))
-    if linear and all(sections.is_analysed(p) for p in parameters):
-        kept, shares = sections.independent(parameters)
+    kept, shares = sections.independent(parameters)
     rates = derivatives(
         [asked[k] for k in kept],
         beam_input(model, eigenpairs)[0],
         modes,
         at,
         lambda p, moved: change_of_inputs(p, [beam_input(one, eigenpairs) for one, _ in moved]),
-        lambda moved, modes: beam_package(moved[0], modes, moved[1], {}, linear=linear),
+        lambda moved, modes: beam_package(
+            moved[0], modes, moved[1], {}, second_order="second_order" not in without
+        ),
         beam.damping_ratio,
     )
-    return replace(package, design=of_parameters(parameters, rates, shares))
+    design = of_parameters(parameters, rates, shares)
+    if "stresses" not in without:
+        for one in design:
+            one.values.update(sections.stress_rates(one.name, package.sections, data))
+    return replace(package, design=design)
 
 
 class BeamSections:
     """The sections of a beam: given, or analysed with their derivatives by design parameters."""
 
     def __init__(
-        self, spec: Mapping[str, object], beam: BeamSpec, parameters: Sequence[Parameter]
+        self, spec: Mapping[str, Any], beam: BeamSpec, parameters: Sequence[Parameter]
     ) -> None:
-        self._theory, self._linear = beam.theory, bool(spec.get("design_linear"))
+        without = spec.get("design_without", ())
+        strains = {"stresses", "second_order"} - {*without}
         self._places, self._files = [], []
+        self._rates = list[dict[str, dict[str, Array]]]()  # of each section, by parameter and path
+        self._lines = list[dict[str, LineSection]]()  # those of what the beam is made of
         self._tables = [{k: v for k, v in t.items() if k != "name"} for t in beam.sections]
         self._names = [str(table.get("name", beam.body)) for table in beam.sections]
         self._texts = [toml_text(table) for table in self._tables]
         for row, table in enumerate(self._tables):
             place = ("stations", row, "section") if "stations" in spec else ("section",)
             design = {p.name: p.below(place) for p in parameters if p.below(place)}
-            given = is_given(table)
-            self._places.append(place)
             texts = canonical(table), canonical(design)
-            self._files.append(None if given else _analysed(*texts, beam.errors, not self._linear))
+            file = None if is_given(table) else _analysed(*texts, beam.errors, bool(strains))
+            self._places.append(place)
+            self._files.append(file)
+            self._rates.append({one.name: one.values for one in file.design} if file else {})
+            self._lines.append(
+                {
+                    name: line_rate(file, rates, beam.theory, trapeze="second_order" in strains)
+                    for name, rates in self._rates[-1].items()
+                    if file is not None
+                }
+            )
+        self._sections = [
+            given_section(table) if file is None else analysed_section(file, beam.theory)
+            for table, file in zip(self._tables, self._files, strict=True)
+        ]
 
     def at(self, parameter: Parameter | None = None, distance: float = 0.0) -> list[StationSection]:
-        """Sections of the stations, with a parameter moved by a distance."""
+        """Sections of the stations; with a parameter moved by a distance, without stresses."""
+        if parameter is None:
+            return self._sections
         return [self._at(row, parameter, distance) for row in range(len(self._tables))]
 
-    def _at(self, row: int, parameter: Parameter | None, distance: float) -> StationSection:
-        file, table, place = self._files[row], self._tables[row], self._places[row]
-        if parameter is not None and parameter.below(place):
-            if file is None:
-                table = parameter.moved(distance, place)
-            elif self._linear:
-                rate = _rates_of(file)[parameter.name]
-                K, M = (x + distance * rate.get(n, 0.0) for n, x in (("K", file.K), ("M", file.M)))
-                return StationSection(LineSection(K, M, np.zeros(6)), None, 0, ())
-            else:
-                file = moved(file, {parameter.name: distance})
-        return given_section(table) if file is None else analysed_section(file, self._theory)
+    def _at(self, row: int, parameter: Parameter, distance: float) -> StationSection:
+        place, line = self._places[row], self._sections[row].line
+        if self._files[row] is None and parameter.below(place):
+            return given_section(parameter.moved(distance, place))
+        if parameter.name in self._lines[row]:
+            rate = self._lines[row][parameter.name]
+            line = LineSection(
+                line.K + distance * rate.K,
+                line.mass + distance * rate.mass,
+                line.trapeze + distance * rate.trapeze,
+            )
+        return StationSection(line, None, 0, ())
+
+    def independent(self, parameters: Sequence[Parameter]) -> tuple[list[int], Array]:
+        """Which parameters (r) change the beam in all ways; shares (r, p) of these in all.
+
+        Those of analysed sections change it in fewer ways than there are plies.
+        """
+
+        lines = dict(enumerate(one.line for one in self._sections))
+        rates = [
+            {row: own[p.name] for row, own in enumerate(self._lines) if p.name in own}
+            for p in parameters
+        ]
+        values, *changes = (
+            {(row, n): x for row in of for n, x in lines[row].scaled(of[row]).items()}
+            for of in (lines, *rates)
+        )
+        apart = [k for k, p in enumerate(parameters) if not self.is_analysed(p)]
+        return independent(values, changes, SAME, apart)
 
     def is_analysed(self, parameter: Parameter) -> bool:
         """True if the parameter moves analysed sections only, along their derivatives."""
@@ -184,20 +220,25 @@ class BeamSections:
         count = sum(len(parameter.below(place)) for place, file in own if file is not None)
         return count == len(parameter.targets)
 
-    def independent(self, parameters: Sequence[Parameter]) -> tuple[list[int], Array]:
-        """Which parameters (r) change the sections in all ways; shares (r, p) of these in all."""
-        files = [(row, file) for row, file in enumerate(self._files) if file is not None]
-        values = {(row, n): getattr(file, n) for row, file in files for n in ("K", "M")}
-        changes = [
-            {
-                (row, n): rate
-                for row, file in files
-                for n, rate in _rates_of(file).get(p.name, {}).items()
-                if n in ("K", "M")
-            }
-            for p in parameters
-        ]
-        return independent(values, changes, SAME)
+    def stress_rates(
+        self, name: str, sections: Sequence[SectionData], given: Sequence[SectionData]
+    ) -> dict[str, Array]:
+        """Derivatives of what only stresses are made of, by path in a package.
+
+        Parameters
+        ----------
+        name : of the parameter
+        sections : of the package
+        given : those of the stations, from `data`
+        """
+        return {
+            f"sections/{one.name}/{path}": rate
+            for one in sections
+            for own, rates in zip(given, self._rates, strict=True)
+            if one.recovery is not None and one.recovery is own.recovery
+            for path, rate in rates.get(name, {}).items()
+            if path.startswith(("plies/", "recovery/"))
+        }
 
     def data(
         self,
@@ -218,10 +259,6 @@ class BeamSections:
             )
             for name, result, text in zip(self._names, results, self._texts, strict=True)
         ]
-
-
-def _rates_of(file: SectionFile) -> dict[str, dict[str, Array]]:
-    return {one.name: one.values for one in file.design}
 
 
 @functools.lru_cache(maxsize=256)

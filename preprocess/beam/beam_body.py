@@ -129,7 +129,7 @@ def beam_package(
     sections: Sequence[SectionData],
     provenance: dict[str, object],
     *,
-    linear: bool = False,
+    second_order: bool = True,
 ) -> ModalPackage:
     """Collect mesh, modes and inertia of a beam in a modal package.
 
@@ -142,14 +142,14 @@ def beam_package(
     model, modes : of the beam
     sections : of the stations, with their stresses
     provenance : of the package
-    linear : without terms of second order
+    second_order : with terms of second order
     """
     spec, line = model.spec, model.line
     n, m = line.n_node, len(modes.values)
     shapes_B = np.ascontiguousarray(np.moveaxis(modes.columns_B.reshape(n, 6, m), 2, 0))
     points = point_masses(mass_stations(line, modes.columns_B, spec.mass_form))
     fields = None
-    if 0 < m <= MOST_MODES and not linear:
+    if 0 < m <= MOST_MODES and second_order:
         held = held_dofs(spec.reference.kind, model.reference_nodes)
         fields = second_order_fields(line, modes.columns_B, points, spec.mass_form, held)
     node_mass, node_inertia_B = nodal_mass(line)

@@ -103,6 +103,19 @@ class LineSection:
     mass: Array
     trapeze: Array = field(default_factory=lambda: np.zeros(6))
 
+    def scaled(self, of: "LineSection") -> dict[str, Array]:
+        """Return arrays of another section or rates, entries as shares of the diagonals here.
+
+        Stiffnesses in tension and bending differ by the square of the size of the section in m.
+        """
+        d, m = (np.sqrt(np.diag(matrix)) for matrix in (self.K, self.mass))
+        m[m == 0.0] = np.inf  # a flat strip has no rotary inertia about one of its axes
+        return {
+            "K": of.K / np.outer(d, d),
+            "mass": of.mass / np.outer(m, m),
+            "trapeze": of.trapeze * d,
+        }
+
     @cached_property
     def slice_mass(self) -> SectionMass:
         """Mass, mass centre and inertia of a slice, from the 6x6 mass."""

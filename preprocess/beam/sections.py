@@ -1,8 +1,9 @@
 """Sections along a beam: analysed or given at stations, linear between them; beam theories."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from types import SimpleNamespace
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from ...solver.package.section.section_schema import SectionFile
 from ...solver.package.section.stress import trapeze_strains
 from .line import BeamLine, LineSection
 
+TINY = 1e-30  # imaginary step along derivatives of a section
 _REMAINING_SHEAR = 1e-4  # per row and column: 1e-8 of the shear compliance is negligible
 
 
@@ -89,6 +91,35 @@ def analysed_section(result: SectionFile, theory: str) -> StationSection:
     dofs, warnings = result.provenance["dofs"], tuple(result.warnings)
     of_ends, error = result.end_compliance, result.error_estimate
     return StationSection(line, result.recovery, dofs, warnings, of_ends, error)
+
+
+def line_rate(
+    section: SectionFile, rates: Mapping[str, Array], theory: str, *, trapeze: bool
+) -> LineSection:
+    """Return the derivatives of what a beam is made of by a parameter of its section.
+
+    Parameters
+    ----------
+    section : the analysis
+    rates : of its arrays, by path
+    theory : of the beam
+    trapeze : with those of the trapeze strains, which depend on the strains of all points
+    """
+    K, M = (rates.get(path, np.zeros((6, 6))) for path in ("K", "M"))
+    if not trapeze:
+        return LineSection(K, M)
+
+    def aside(path: str, value: Array) -> Array:
+        return value + 1j * TINY * rates[path] if path in rates else value
+
+    names, own = ("points", "weights", "A_BM", "strain_M"), section.recovery
+    recovery: Any = SimpleNamespace(
+        ply=own.ply,
+        C_M=aside("plies/C_M", own.C_M),
+        **{name: aside(f"recovery/{name}", getattr(own, name)) for name in names},
+    )
+    strains = trapeze_strains(section_stiffness(aside("K", section.K), theory), recovery)
+    return LineSection(K, M, strains.imag / TINY)
 
 
 def _numbers(table: dict[str, object], key: str, shape: tuple[int, ...]) -> Array:

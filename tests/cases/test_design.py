@@ -15,6 +15,7 @@ import plymotion as pm
 from plymotion.solver.errors import InputError
 from plymotion.solver.package import write_package
 from plymotion.solver.package.common.design import Derivative
+from plymotion.solver.studies.design import trials as design_trials
 from plymotion.solver.studies.design.memory import FILE
 from plymotion.solver.studies.design.trials import StudySpec, Trials
 from tests.samples.design_samples import BEST, CARBON, F_MAX, V0, M, angles, oscillator, swung, tube
@@ -331,23 +332,46 @@ def test_gradient_of_a_run_is_that_of_rebuilt_designs(fenicsx: str, tmp_path: Pa
             np.testing.assert_allclose(np.array(slopes)[:, k], expected, rtol=0.0, atol=near_by)
 
 
-def test_angles_that_change_a_section_in_fewer_ways(fenicsx: str, tmp_path: Path) -> None:
-    """A study without stresses follows some of its parameters; with them, each of them."""
-    energy = {"deformation_energy": "arm", "of": "at", "time": 0.03, "max": 1.0}
-    limits, found = [energy, {"strength": "arm", "min": 0.1}], []
+Z_RMS, STRENGTH = {"signal": "z", "of": "rms"}, {"strength": "arm", "min": 0.1}
+KINDS = {
+    "motion": [Z_RMS],
+    "stiffening": [Z_RMS],
+    "stresses": [Z_RMS, STRENGTH, {**Z_RMS, "signal": "exposures", "max": 9.0}],
+    "stresses by the adjoint": [Z_RMS, STRENGTH],
+}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_angles_that_change_a_section_in_fewer_ways(
+    kind: str, fenicsx: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A study follows some of its angles; their slopes add up to that of one that turns all."""
+    monkeypatch.setattr(design_trials, "MANY", 5 if "adjoint" in kind else 100)
+    table, plies, every = swung(10), np.linspace(-60.0, 70.0, 10), angles(10)
+    table["signals"] |= {
+        "exposure": {"kind": "exposure", "body": "arm"},
+        "exposures": {"kind": "difference", "of": "exposure", "run": "heavy"},
+    }
+    table["runs"]["heavy"] = {"variants": ["heavy"]}
+    table["variants"]["heavy"] = {"masses": {"load": {"mass": 1.5}}}
+    table["solver"] |= {"geometric_stiffening": kind == "stiffening", "rtol": 1e-8}
     load = {"of": ["masses.load.mass"], "kind": "number", "bounds": [0.5, 2.0]}
-    p, ways = np.array([1.0, *np.linspace(-60.0, 70.0, 8)]), []
-    for count in (1, 2):
-        study = {"run": "base", "minimise": {"signal": "z", "of": "rms"}}
-        study |= {"subject_to": limits[:count], "rtol": 1e-8}
-        table = swung(8, parameters={"load": load, **angles(8)}, studies={"s": study})
-        del table["signals"]["error"]  # of two runs
+    of = [{"key": p["of"][0], "offset": a} for p, a in zip(every.values(), plies, strict=True)]
+    turn = {"of": of, "kind": "angle", "bounds": [-20.0, 20.0], "start": 0.0}
+    minimise, *subject_to = KINDS[kind]
+    study = {"run": "base", "minimise": minimise, "subject_to": subject_to, "rtol": 1e-8}
+    found, ways = [], []
+    for parameters, p in (({"load": load, **every}, plies), ({"load": load, "turn": turn}, [0.0])):
+        table["design"] = {"parameters": parameters, "studies": {"s": study}}
         trials = Trials(StudySpec(table, Path("tube.toml"), False, "s", tmp_path, exact=True))
-        found.append(trials.slopes(p)[:2])
+        found.append(trials.slopes(np.array([1.0, *p])))
         ways.append(len(trials._beside["base"]))
-    assert ways[0] < ways[1] == p.size
-    for one, other in zip(*found, strict=True):
-        np.testing.assert_allclose(one, other, rtol=0.0, atol=1e-7 * np.abs(other).max())
+    assert ways[0] < 11
+    for slopes, common in zip(*found, strict=True):
+        slopes, common = np.array(slopes), np.array(common)
+        near_by = 1e-6 * np.abs(slopes[:, 1:]).max()
+        np.testing.assert_allclose(slopes[:, 0], common[:, 0], rtol=1e-6)
+        np.testing.assert_allclose(slopes[:, 1:].sum(axis=1), common[:, 1], rtol=0, atol=near_by)
 
 
 def test_sensitivities_by_all_parameters_of_a_design(fenicsx: str) -> None:

@@ -18,6 +18,7 @@ from ..sensitivities.parameters import (
     design_parameter,
     parameter_of,
     with_parameters,
+    without_derivatives,
 )
 from .trials import BODIES, StudySpec, Trials
 
@@ -71,7 +72,10 @@ def asked_of(
         spec, of_design = spec_of_run(case, run, build, packages), []
     names = [key for key in keys if "." not in key and key not in known]
     if len(names) > MANY:
-        kept, own = combined(spec, names)
+        for name in names:
+            if not any(one.name == name for p in spec.packages.values() for one in p.design):
+                raise without_derivatives(spec, name, known)
+        kept, own = combined([spec], names)
         others = [*(member[0] for member in members), *designed]
         shares = np.zeros((len(others) + len(kept), len(keys)))
         for k, name in enumerate(others):

@@ -21,6 +21,7 @@ from ...inputs.case.tables.schema import Mechanism
 from ...inputs.section.study import leaves_of
 from ...integrators.generic.drive import Steps
 from ...math.arrays import Array
+from ...mechanism.build import used_packages
 from ...package.common.plain_data import inputs_sha256
 from ...run.inputs import RunSpec
 from ...run.preparation import Prepared, output_times
@@ -67,7 +68,7 @@ def beside(p: Array, steps: Array, ranges: Array | None = None) -> list[Array]:
 
 
 def with_targets(
-    names: Sequence[str], specs: Sequence[Specs], steps: Array, *, linear: bool = False
+    names: Sequence[str], specs: Sequence[Specs], steps: Array, without: Sequence[str] = ()
 ) -> dict[str, BodySpec]:
     """Return specifications of bodies that ask for derivatives.
 
@@ -75,7 +76,7 @@ def with_targets(
     ----------
     names : of the parameters
     specs : of the designs of `beside`
-    linear : of beams without what only stresses and geometric stiffening need
+    without : "stresses", "second_order": derivatives of beams that nothing depends on
 
     Raises
     ------
@@ -92,8 +93,8 @@ def with_targets(
                 design[name] = list(_targets(where, minus.content, plus.content, 2.0 * steps[k]))
         if design:
             content: Any = {**spec.content, "design": design}
-            if linear and content["kind"] == "beam":
-                content["design_linear"] = True
+            if without and content["kind"] == "beam":
+                content["design_without"] = list(without)
             specs_by_body[body] = replace(
                 spec, content=content, inputs_sha256=inputs_sha256(content)
             )
@@ -118,36 +119,32 @@ def _targets(where: str, minus: Any, plus: Any, h: float) -> Iterator[dict[str, 
 def runs_beside(
     spec: RunSpec,
     names: Sequence[str],
-    mechanisms: Sequence[tuple[Mechanism, Mechanism]],
     steps: Array,
-    *,
-    linear: bool = False,
+    mechanisms: Sequence[tuple[Mechanism, Mechanism]] | None = None,
+    without: Sequence[str] = (),
 ) -> list[Parameter]:
     """Return parameters with the runs less and plus a step of each, by derivatives of packages.
 
     Parameters
     ----------
-    mechanisms : less and plus the step of each parameter
-    linear : packages have no derivatives of strains in sections and of second order; these runs
-        have neither, so that nothing is taken for what does not change
+    mechanisms : less and plus the step of each parameter; None: that of the run
+    without : "stresses", "second_order": what packages have no derivatives of; these runs do not
+        have it, so that nothing is taken for what does not change
     """
-    if linear:
-        packages = {
-            name: replace(
-                p,
-                sections=tuple(replace(s, recovery=None) for s in p.sections),
-                second_order=None,
-            )
-            for name, p in spec.packages.items()
-        }
-        spec = replace(spec, packages=packages)
+    packages = dict(spec.packages)
+    for name, p in packages.items():
+        if "stresses" in without:
+            p = replace(p, sections=tuple(replace(s, recovery=None) for s in p.sections))
+        packages[name] = replace(p, second_order=None) if "second_order" in without else p
+    spec = replace(spec, packages=packages)
+    sides = mechanisms or [(spec.mechanism, spec.mechanism)] * len(names)
     return [
         Parameter(
             name, "", 0.0, h,
             replace(spec.moved(name, -h), mechanism=minus),
             replace(spec.moved(name, h), mechanism=plus),
         )
-        for name, h, (minus, plus) in zip(names, steps.tolist(), mechanisms, strict=True)
+        for name, h, (minus, plus) in zip(names, steps.tolist(), sides, strict=True)
     ]  # fmt: skip
 
 
@@ -165,10 +162,24 @@ class Traced:
     trace: Trace
     signals: Collection[str]
 
-    def followed(self, parameters: Sequence[Parameter]) -> Followed:
-        """Return it with its tangent."""
+    def followed(self, parameters: Sequence[Parameter], held: dict[str, object]) -> Followed:
+        """Return it with its tangent; `held`: points of plies that govern in it."""
         y = np.asarray(self.finished.solution.y[:])
-        return followed(self.prepared, parameters, self.trace.steps, y)
+        return followed(self.prepared, parameters, self.trace.steps, y, held)
+
+    def still(self, parameters: Sequence[Parameter], held: dict[str, object]) -> Followed:
+        """Return it as if with its tangent by parameters that do not change its motion."""
+        prepared, solution = self.prepared, self.finished.solution
+
+        def variant(spec: RunSpec) -> Variant:
+            packages = used_packages(prepared.mechanism, spec.packages)
+            return Variant(replace(prepared.built, packages=packages), prepared.y0)
+
+        pairs = [(variant(p.minus), variant(p.plus)) for p in parameters]
+        size = 2 * prepared.model.n_vel + prepared.model.n_aux
+        S = np.zeros((len(solution.t), size, len(parameters)))
+        y = np.asarray(solution.y[:])
+        return Followed(prepared, parameters, solution.t, y, S, pairs, held)
 
 
 def made_beside(
@@ -311,7 +322,8 @@ def by_adjoint(
     def read(each: Variant, recording: Recording) -> list[Array]:
         sensors = sensors_beside(traced.prepared, each, recording, traced.signals)
         finished = replace(traced.finished, built=each.built)
-        return [m.raw(Made(made.spec, finished, sensors, recording)) for m in measures]
+        there = Made(made.spec, finished, sensors, recording)
+        return [m.raw(there, w) for m, w in zip(measures, own, strict=True)]
 
     y = np.asarray(traced.finished.solution.y[:])
     slopes = gradients(traced.prepared, parameters, traced.trace.steps, y, read, weights)
@@ -323,8 +335,8 @@ def adjoint_slopes(
     parameters: Sequence[Parameter],
     measures: Sequence[Measure],
     made: Made,
-) -> list[list[list[float]]] | None:
-    """Return slopes by measure, value and parameter; None where the adjoint does not serve.
+) -> list[Array] | None:
+    """Return slopes (r, P) by measure; None where the adjoint does not serve.
 
     Signals that read another run, and what `gradients` refuses, are left to the tangent.
 
@@ -345,12 +357,12 @@ def adjoint_slopes(
     slopes = []
     for m in measures:
         if m.runs:
-            slopes.append(next(slopes_of_run).tolist())
+            slopes.append(next(slopes_of_run))
             continue
         beside = [
             [m.raw(Made(run, None, {}, None)) for run in (p.minus, p.plus)] for p in parameters
         ]
         rates = [(b - a) / (2.0 * p.h) for (a, b), p in zip(beside, parameters, strict=True)]
         w = m.reduce(m.raw(made), made.t)[1]
-        slopes.append(np.tensordot(w, np.stack(rates, axis=-1), axes=w.ndim - 1).tolist())
+        slopes.append(np.tensordot(w, np.stack(rates, axis=-1), axes=w.ndim - 1))
     return slopes

@@ -7,6 +7,7 @@ with the derivative of the array, wherever that comes from.
 """
 
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
@@ -78,8 +79,8 @@ class Measure:
     def __init__(self, quantity: Quantity) -> None:
         self.quantity = quantity
 
-    def raw(self, made: Made) -> Array:
-        """Return the array of a design."""
+    def raw(self, made: Made, weights: Array | None = None) -> Array:
+        """Return the array of a design; with weights (r, ...), zeros may replace what has none."""
         raise NotImplementedError
 
     def reduce(self, raw: Array, t: Array) -> tuple[Array, Array]:
@@ -97,7 +98,7 @@ class Mass(Measure):
 
     unit = "kg"
 
-    def raw(self, made: Made) -> Array:
+    def raw(self, made: Made, weights: Array | None = None) -> Array:
         """Return the mass (1,)."""
         name, mechanism = self.quantity.name, made.spec.mechanism
         mass = sum(float(p.invariants.mass) for p in made.parts(name))
@@ -118,7 +119,7 @@ class SectionEntry(Measure):
         unit = ("N", "N m", "N m2")[(name[1] > "3") + (name[2] > "3")]
         self.unit = unit if name[0] == "K" else f"1/({unit})"
 
-    def raw(self, made: Made) -> Array:
+    def raw(self, made: Made, weights: Array | None = None) -> Array:
         """Return the 6x6 stiffness."""
         sections = made.parts(self.quantity.name)[0].sections
         if not sections:
@@ -148,7 +149,7 @@ class Frequency(Measure):
 
     unit = "Hz"
 
-    def raw(self, made: Made) -> Array:
+    def raw(self, made: Made, weights: Array | None = None) -> Array:
         """Return squares of natural circular frequencies (m,) [rad2/s2]."""
         if self.quantity.name == MECHANISM:
             from ..modes.found import find_modes  # most studies need no linearised equations
@@ -187,7 +188,7 @@ class OverTime(Measure):
         super().__init__(quantity)
         self.peaks = {"max": 1, "min": -1}.get(str(quantity.of), 0)
 
-    def raw(self, made: Made) -> Array:
+    def raw(self, made: Made, weights: Array | None = None) -> Array:
         """Return the signal (n_t,)."""
         sensor = made.sensors[self.quantity.name]
         self.unit = sensor.unit
@@ -215,7 +216,7 @@ class OverTime(Measure):
 class DeformationEnergy(OverTime):
     """Elastic energy of the modes of a body, or of all flexible bodies [J]."""
 
-    def raw(self, made: Made) -> Array:
+    def raw(self, made: Made, weights: Array | None = None) -> Array:
         """Return the energy (n_t,)."""
         finished, recording = made.series()
         self.unit, total = "J", np.zeros(made.t.size)
@@ -232,27 +233,24 @@ class Strength(Measure):
 
     runs, peaks = True, 1
 
-    def raw(self, made: Made) -> Array:
+    def raw(self, made: Made, weights: Array | None = None) -> Array:
         """Return exposures (plies, n_t)."""
         finished, recording = made.series()
         name = self.quantity.name
         body, package = finished.built.body_names.index(name), finished.built.packages[name]
-        rows = []
-        for region, ply in _plies(package):
-            table = {"kind": "exposure", "body": name, "region": region, "ply": ply}
-            try:
-                values = strength_values(
-                    f"{name}, {region}, ply {ply}",
-                    body,
-                    package,
-                    StrengthSignal.model_validate(table),
-                )
-            except InputError:  # a ply without strengths
+        plies, known = _plies(package), weights is not None
+        rows = np.zeros((len(plies), made.t.size))  # zero of a ply without strengths
+        for row, (region, ply) in enumerate(plies):
+            if weights is not None and not weights[:, row].any():
                 continue
-            rows.append(values(recording))
-        if not rows:
+            table = {"kind": "exposure", "body": name, "region": region, "ply": ply}
+            with suppress(InputError):  # a ply without strengths
+                signal = StrengthSignal.model_validate(table)
+                values = strength_values(f"{name}, {region}, ply {ply}", body, package, signal)
+                rows[row], known = values(recording), True
+        if not known:
             raise InputError(f"strength = {name!r}: no material of the body has strengths")
-        return np.array(rows)
+        return rows
 
     def reduce(self, raw: Array, t: Array) -> tuple[Array, Array]:
         """Return the highest peaks (r,) and weights (r, plies, n_t)."""

@@ -2,7 +2,7 @@
 
 import logging
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -23,6 +23,7 @@ from ...inputs.case.messages import ERRORS
 from ...inputs.case.record import needed, solver_sha256, with_parts
 from ...inputs.case.sweeps import Members
 from ...inputs.case.tables.bodies import PackageBody
+from ...inputs.case.tables.design_keys import Quantity
 from ...inputs.case.tables.schema import Mechanism, changed_mechanism
 from ...inputs.case.tables.signals import PlyStressSignal, StrengthSignal
 from ...inputs.case.write import dump
@@ -34,12 +35,12 @@ from ...package.specification import fingerprint
 from ...run.execution import package_of
 from ...run.inputs import RunSpec
 from ...run.preparation import Prepared, histories_of, integrated, prepare
-from ...signals import Recording
+from ...signals import HELD, Recording
 from ...workers.executors import Local
 from ...workers.launch import keep_preprocessors
 from ...workers.packages import BodiesFailed, build_packages
-from ..sensitivities.differentiated_run import Trace, change_of
-from ..sensitivities.parameters import Parameter, combined
+from ..sensitivities.differentiated_run import Followed, Trace, change_of
+from ..sensitivities.parameters import Parameter, combined, parted
 from .exact import (
     STEP,
     Traced,
@@ -82,8 +83,14 @@ class Trials:
         self.measures: list[Measure] = [measure_of(q) for q in self.study.table.quantities()]
         self.runs = any(m.runs for m in self.measures)
         self._plan, self.exact = given.plan, given.exact
-        self._beside: dict[str, list[Parameter]] = {}  # (r) of the last design, by run
-        self._shares = np.zeros((0, 0))  # (r, p) of these in all parameters
+        # Of the last design: parameters (r) by run that move packages and mechanism in all ways;
+        # shares (r, p) of these in all parameters; numbers of those that move stresses besides, and
+        # these by run; measures that read stresses.
+        self._beside: dict[str, list[Parameter]] = {}
+        self._shares = np.zeros((0, 0))
+        self._moving: list[int] = []
+        self._stresses: dict[str, list[Parameter]] = {}
+        self._stressed: list[Measure] = []
         self._failed: dict[Path, str] = {}  # packages that could not be built
         self._refused = ""  # why the packages of the last design have no derivatives
         self._last: tuple[bytes, Made, list[Array]] | None = None
@@ -138,13 +145,13 @@ class Trials:
             parameters = self._beside[self.study.table.run]
             by_adjoint_method = adjoint_slopes(self._traces, parameters, self.measures, made)
             if by_adjoint_method is not None:
-                return [(np.array(each) @ self._shares).tolist() for each in by_adjoint_method]
-        columns = self._columns(p)
+                return [
+                    (each @ self._shares + _contracted(w, own)).tolist()
+                    for each, w, own in zip(by_adjoint_method, weights, self._direct(), strict=True)
+                ]
+        columns = zip(*self._columns(p), strict=True)
         return [
-            np.stack(
-                [np.tensordot(w, column[k], axes=column[k].ndim) for column in columns], axis=1
-            ).tolist()
-            for k, w in enumerate(weights)
+            _contracted(w, np.array(own)).tolist() for w, own in zip(weights, columns, strict=True)
         ]
 
     def _columns(self, p: Array) -> list[list[Array]]:
@@ -215,31 +222,60 @@ class Trials:
         """Return derivatives of the arrays of all measures, by parameter."""
         if self._refused:
             raise InputError(self._refused)
-        assert self._last is not None
-        made = self._last[1]
-        run = self.study.table.run
-        motions = {n: traced.followed(self._beside[n]) for n, traced in self._traces.items()}
-        if run in motions:  # plies govern beside a design where they govern in it
-            made = replace(made, recording=motions[run].recording())
-            for measure in self.measures:
-                measure.raw(made)
-        columns = []
-        for k, parameter in enumerate(self._beside[run]):
-            low, high = (
-                [measure.raw(made) for measure in self.measures]
-                for made in made_beside(run, self._traces, motions, k, parameter)
-            )
-            columns.append(
-                [
-                    change_of(a, b, m.unit) / (2.0 * parameter.h)
-                    for m, a, b in zip(self.measures, low, high, strict=True)
-                ]
-            )
-        stacked = [
-            np.reshape([column[k] for column in columns], (len(columns), *raw.shape))
-            for k, raw in enumerate(self._last[2])
+        motions = {
+            n: one.followed(self._beside[n], self._held(n)) for n, one in self._traces.items()
+        }
+        along = self._rates(self._beside, motions, self.measures)
+        columns = [
+            np.tensordot(self._shares.T, rates, 1) + own
+            for rates, own in zip(along, self._direct(), strict=True)
         ]
-        return [[np.tensordot(share, rates, 1) for rates in stacked] for share in self._shares.T]
+        return [list(column) for column in zip(*columns, strict=True)]
+
+    def _direct(self) -> list[Array]:
+        """Return the derivatives (p, ...) of the arrays by stresses of the same motion."""
+        assert self._last is not None
+        direct = [np.zeros((self._shares.shape[1], *raw.shape)) for raw in self._last[2]]
+        if self._moving:
+            still = {
+                n: one.still(self._stresses[n], self._held(n)) for n, one in self._traces.items()
+            }
+            rates = self._rates(self._stresses, still, self._stressed)
+            for each, own in zip(direct, rates, strict=True):
+                each[self._moving] = own
+        return direct
+
+    def _held(self, run: str) -> dict[str, object]:
+        """Return the points of plies that govern in a run of the last design, where it is known."""
+        assert self._last is not None
+        recording = self._last[1].recording
+        if recording is None or run != self.study.table.run:
+            return {}
+        held: dict[str, object] = recording.memory[HELD]
+        return held
+
+    def _rates(
+        self,
+        parameters: Mapping[str, Sequence[Parameter]],
+        motions: Mapping[str, Followed],
+        measures: Collection[Measure],
+    ) -> list[Array]:
+        """Return the derivatives (r, ...) of the arrays of some measures by parameters (r).
+
+        They are zero of other measures, and where the values of the design do not depend on them.
+        """
+        assert self._last is not None
+        _, made, raws = self._last
+        run = self.study.table.run
+        weights = [m.reduce(raw, made.t)[1] for m, raw in zip(self.measures, raws, strict=True)]
+        rates = [np.zeros((len(parameters[run]), *raw.shape)) for raw in raws]
+        for k, parameter in enumerate(parameters[run]):
+            low, high = made_beside(run, self._traces, motions, k, parameter)
+            for m, w, own in zip(self.measures, weights, rates, strict=True):
+                if m in measures:
+                    change = change_of(m.raw(low, w), m.raw(high, w), m.unit)
+                    own[k] = change / (2.0 * parameter.h)
+        return rates
 
     def why_not_exact(self) -> str:
         """Return what has no exact derivative; "" if all quantities have one."""
@@ -285,12 +321,12 @@ class Trials:
             ranges = np.array([q.range() for q in self.study.parameters.values()])
             designs = self.study.designs(beside(p, steps, ranges))
             own, count = designs.own, 1 + 2 * p.size
-            linear = not (all_of_them or designs.others) and self._is_linear()
             runs = {self.study.table.run: own, **designs.others}
+            without = [] if all_of_them else self._without(runs)
             built: list[tuple[str, BodySpec]] = []
             for members in runs.values():
                 bodies = [model_and_check(members.bodies[k])[0] for k in range(count)]
-                members.bodies[0] = with_targets(names, bodies, steps, linear=linear)
+                members.bodies[0] = with_targets(names, bodies, steps, without)
                 built += members.bodies[0].items()
             files = self.build(built)
         except InputError as error:
@@ -301,48 +337,70 @@ class Trials:
             self._traces.clear()
             made = self._run(own, designs.others, 0, files, self._traces)
             if isinstance(made, Made):
-                kept, self._shares = list(range(p.size)), np.eye(p.size)
-                if linear:
-                    kept, self._shares = self._kept(made.spec)
-                self._beside = {
-                    run: runs_beside(
-                        made.spec if members is own else self.spec(run, members, 0, files),
-                        [names[k] for k in kept],
-                        [(self.mechanism(members, 1 + 2 * k), self.mechanism(members, 2 + 2 * k))
-                         for k in kept],
-                        steps[kept], linear=linear,
-                    )
+                specs = {
+                    run: made.spec if members is own else self.spec(run, members, 0, files)
                     for run, members in runs.items()
-                }  # fmt: skip
+                }
+                self._part(specs, runs, steps, without, whole=all_of_them)
         finally:
             self.forget(files)
         return made
 
-    def _is_linear(self) -> bool:
-        """Tell whether no quantity depends on strains within sections or on second order."""
-        quantities, base = self.study.table.quantities(), self.study.base
-        read = with_parts({q.name for q in quantities}, base.signals).values()
-        stresses = any(isinstance(signal, PlyStressSignal | StrengthSignal) for signal in read)
-        stresses = stresses or any(q.subject == "strength" for q in quantities)
-        return not (stresses or base.solver.geometric_stiffening)
+    def _part(
+        self,
+        specs: Mapping[str, RunSpec],
+        runs: Mapping[str, Members],
+        steps: Array,
+        without: Sequence[str],
+        *,
+        whole: bool,
+    ) -> None:
+        """Keep the parameters by which the runs of a design are differentiated.
 
-    def _kept(self, spec: RunSpec) -> tuple[list[int], Array]:
-        """Return the parameters that all others are combinations of, and shares of them.
-
-        Those of sections change nothing but packages, and these in fewer ways than there are plies.
+        Parameters of sections change nothing but packages, and these in fewer ways than there are
+        plies, but for what stresses are made of.
         """
         names = list(self.study.parameters)
-        of_sections = [
+        parts = {
+            run: (spec, replace(spec, packages={})) if whole else parted(spec)
+            for run, spec in specs.items()
+        }
+        apart = [
             k
-            for k, name in enumerate(names)
-            if all(t.key.startswith("sections.") for t in self.study.targets[name])
+            for k, targets in enumerate(self.study.targets[name] for name in names)
+            if whole or not all(target.key.startswith("sections.") for target in targets)
         ]
-        others = [k for k in range(len(names)) if k not in of_sections]
-        among, parts = combined(spec, [names[k] for k in of_sections])
-        shares = np.zeros((len(others) + len(among), len(names)))
-        shares[: len(others), others] = np.eye(len(others))
-        shares[len(others) :, of_sections] = parts
-        return [*others, *(of_sections[k] for k in among)], shares
+        kept, self._shares = combined([motion for motion, _ in parts.values()], names, apart)
+        packages = [p for _, stresses in parts.values() for p in stresses.packages.values()]
+        moved = {one.name for p in packages for one in p.design if one.values}
+        self._moving = [k for k, n in enumerate(names) if n in moved and self._stressed]
+        for run, members in runs.items():
+            motion, stresses = parts[run]
+            sides = [
+                (self.mechanism(members, 1 + 2 * k), self.mechanism(members, 2 + 2 * k))
+                for k in kept
+            ]
+            own, moving = [names[k] for k in kept], [names[k] for k in self._moving]
+            self._beside[run] = runs_beside(motion, own, steps[kept], sides, without)
+            self._stresses[run] = runs_beside(stresses, moving, steps[self._moving])
+
+    def _without(self, runs: Mapping[str, Members]) -> list[str]:
+        """Return which derivatives of beams no quantity depends on; see `with_targets`."""
+        own = self.study.base.signals
+
+        def stressed(quantity: Quantity) -> bool:
+            read = with_parts([quantity.name], own) if quantity.subject == "signal" else {}
+            signals = [*read.values()]
+            for run, names in needed(read).items():
+                signals += with_parts(names, runs[run].base.signals).values()
+            return quantity.subject == "strength" or any(
+                isinstance(signal, PlyStressSignal | StrengthSignal) for signal in signals
+            )
+
+        self._stressed = [m for m in self.measures if stressed(m.quantity)]
+        second_order = any(each.base.solver.geometric_stiffening for each in runs.values())
+        needless = {"stresses": not self._stressed, "second_order": not second_order}
+        return [name for name, is_so in needless.items() if is_so]
 
     def _made(self, points: Sequence[Array]) -> list[Made | str]:
         """Return designs that were built and run; of an invalid one, why."""
@@ -494,8 +552,14 @@ class Trials:
         wrong = [f.text for f in checked(finished) if f.level == "error"]
         if wrong:
             return few(wrong[:1])
-        recording = Recording(finished.model, finished.solution.t, finished.solution.y)
+        memory: dict[Any, Any] = {} if traces is None else {HELD: {}}
+        recording = Recording(finished.model, finished.solution.t, finished.solution.y, memory)
         return Made(spec, finished, prepared.measured, recording)
+
+
+def _contracted(weights: Array, rates: Array) -> Array:
+    """Return derivatives (r, p) of values from weights (r, ...) and those of arrays (p, ...)."""
+    return np.asarray(weights.reshape(len(weights), -1) @ rates.reshape(len(rates), -1).T)
 
 
 def _line(error: Exception) -> str:

@@ -177,7 +177,11 @@ class Followed:
 
 
 def followed(
-    prepared: Prepared, parameters: Sequence[Parameter], steps: Iterable[Steps], y: Array
+    prepared: Prepared,
+    parameters: Sequence[Parameter],
+    steps: Iterable[Steps],
+    y: Array,
+    held: dict[str, object],
 ) -> Followed:
     """Return a run with its tangent at the output times.
 
@@ -187,11 +191,12 @@ def followed(
     parameters : the P parameters
     steps : of its trace, with stages
     y : (n_t, n) states at the output times
+    held : points of plies that govern in the motion itself
     """
     follower, pairs = _following(prepared, parameters)
     for each in steps:
         follower.take(each)
-    return Followed(prepared, parameters, follower.times, y, follower.S, pairs, {})
+    return Followed(prepared, parameters, follower.times, y, follower.S, pairs, held)
 
 
 def sides(

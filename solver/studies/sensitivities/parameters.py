@@ -1,6 +1,6 @@
 """Parameters of a run: its case with numbers a little smaller and larger, and their models."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -23,6 +23,7 @@ from ...mechanism.build import build, used_packages
 from ...mechanism.built import BuiltMechanism
 from ...mechanism.equilibrium import given_spin
 from ...mechanism.start import quasi_static_state, starting_state
+from ...package import ModalPackage
 from ...package.common.dataset import all_values
 from ...run.inputs import RunSpec
 
@@ -130,12 +131,20 @@ def design_parameter(spec: RunSpec, name: str, others: Sequence[str] = ()) -> Pa
             if rate.any() and size > 0.0:
                 steps.append(RELATIVE * size / float(np.abs(rate).max()))
     if not steps:
-        raise _without_derivatives(spec, name, others)
+        raise without_derivatives(spec, name, others)
     h = min(steps)
     return Parameter(name, "", 0.0, h, spec.moved(name, -h), spec.moved(name, h))
 
 
-def _without_derivatives(spec: RunSpec, name: str, others: Sequence[str] = ()) -> InputError:
+def without_derivatives(spec: RunSpec, name: str, others: Sequence[str] = ()) -> InputError:
+    """Return the error for a parameter by which no package has derivatives.
+
+    Parameters
+    ----------
+    spec : the run
+    name : of the parameter
+    others : names that the message may propose besides those of packages
+    """
     known = {*others} | {one.name for package in spec.packages.values() for one in package.design}
     return InputError(
         f"--of {name}: no package of {spec.run} has derivatives by it (/design/{name}); "
@@ -143,29 +152,54 @@ def _without_derivatives(spec: RunSpec, name: str, others: Sequence[str] = ()) -
     )
 
 
-def combined(spec: RunSpec, names: Sequence[str]) -> tuple[list[int], Array]:
+def parted(spec: RunSpec) -> tuple[RunSpec, RunSpec]:
+    """Return a run whose packages have derivatives of all but what only stresses are made of, and
+    one whose packages have those alone."""
+
+    def part(package: ModalPackage, stresses: bool) -> ModalPackage:
+        design = (
+            replace(one, values={p: x for p, x in one.values.items() if of_stresses(p) == stresses})
+            for one in package.design
+        )
+        return replace(package, design=tuple(design))
+
+    motion, stresses = (
+        replace(spec, packages={body: part(p, which) for body, p in spec.packages.items()})
+        for which in (False, True)
+    )
+    return motion, stresses
+
+
+def of_stresses(path: str) -> bool:
+    """Tell whether only stresses depend on a dataset of a package, not motion and resultants."""
+    group, *below = path.split("/")
+    return group == "laminates" or (group == "sections" and below[1] in ("plies", "recovery"))
+
+
+def combined(
+    specs: Sequence[RunSpec], names: Sequence[str], apart: Collection[int] = ()
+) -> tuple[list[int], Array]:
     """Return which design parameters (r) all others are made of, and shares (r, names) of them.
 
-    A parameter moves all packages as the sum of its shares does. There are as many as the
-    derivatives of the packages have independent directions: 1000 plies of a section change its
+    A parameter moves the packages of all runs as the sum of its shares does. There are as many as
+    the derivatives of the packages have independent directions: 1000 plies of a section change its
     stiffness in 21 ways at most.
 
-    Raises
-    ------
-    InputError
-        No package has derivatives by one of them.
+    Parameters
+    ----------
+    specs : the runs
+    names : of the parameters
+    apart : numbers of parameters that are kept and are no part of others
     """
-    values = dict[tuple[str, str], Any]()
-    changes: dict[str, dict[tuple[str, str], Array]] = {name: {} for name in names}
-    for body, package in spec.packages.items():
-        values |= {(body, path): value for path, value in all_values(package).items()}
-        for one in package.design:
-            own = changes.get(one.name, {})
-            own |= {(body, path): rate for path, rate in one.values.items() if rate.any()}
-    for name in names:
-        if not any(one.name == name for p in spec.packages.values() for one in p.design):
-            raise _without_derivatives(spec, name)
-    return independent(values, list(changes.values()), SAME)
+    values = dict[tuple[int, str, str], Any]()
+    changes: dict[str, dict[tuple[int, str, str], Array]] = {name: {} for name in names}
+    for run, spec in enumerate(specs):
+        for body, package in spec.packages.items():
+            values |= {(run, body, path): x for path, x in all_values(package).items()}
+            for one in package.design:
+                own = changes.get(one.name, {})
+                own |= {(run, body, path): rate for path, rate in one.values.items() if rate.any()}
+    return independent(values, list(changes.values()), SAME, apart)
 
 
 class Variant(NamedTuple):
