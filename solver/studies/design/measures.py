@@ -127,7 +127,7 @@ class SectionEntry(Measure):
         return np.asarray(sections[0].K)
 
     def reduce(self, raw: Array, t: Array) -> tuple[Array, Array]:
-        """d(K^-1)_ij = -K^-1 dK K^-1; both are zero where the entry is rounding."""
+        """d(K^-1)_ij = -K^-1 dK K^-1. Rounding of an entry is zero; its derivative may not be."""
         name = str(self.quantity.entry)
         i, j = int(name[1]) - 1, int(name[2]) - 1
         if name[0] == "K":
@@ -137,7 +137,7 @@ class SectionEntry(Measure):
             matrix = np.linalg.inv(raw)
             weights = -np.outer(matrix[i], matrix[:, j])
         couples = abs(matrix[i, j]) > NO_COUPLING * np.sqrt(matrix[i, i] * matrix[j, j])
-        return couples * matrix[[i], [j]], couples * weights[None]
+        return couples * matrix[[i], [j]], weights[None]
 
 
 class Frequency(Measure):
