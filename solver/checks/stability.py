@@ -116,12 +116,12 @@ class SpinMonitor:
         return 1.0 / np.sqrt(largest) if largest > 0 else np.inf
 
     def spin(self, body: int, y: Array) -> Array:
-        """Angular velocity (3,) of the body's frame, body components [rad/s]."""
+        """Angular velocity (..., 3) of the body's frame in y (..., n), body components [rad/s]."""
         j = self.model.n_pos + int(self.model.vel_start[body])
-        return y[j + 3 : j + 6]
+        return y[..., j + 3 : j + 6]
 
     def matrices(self, body: int, y: Array) -> tuple[Array, Array]:
-        """Modal stiffness and what spinning takes from it in state y, (m, m) each [1/s2]."""
+        """Modal stiffness (m, m), and what spins of y (..., n) take of it, (..., m, m) [1/s2]."""
         tables = self._tables[body]
         return tables.K, tables.lost(self.spin(body, y))
 
@@ -482,7 +482,7 @@ class BucklingMonitor:
         t : times (k,) [s]
         y : states (k, n)
         """
-        elastic = np.array([np.subtract(*self.spin.matrices(i, state)) for state in y])
+        elastic = np.subtract(*self.spin.matrices(i, y))
         loads = geometric_stiffness(self.model, self.tables, i, t, y, self._loading(t, y))
         whole = elastic + loads
         lowest = np.full(t.size, np.nan)

@@ -287,7 +287,13 @@ def test_search_finds_what_looking_everywhere_finds(
     group = np.arange(points) % min(points, 3)
     case = np.arange(instants) % min(instants, 4)
     groups, cases = Highest(np.zeros(group.max() + 1)), Highest(np.zeros(case.max() + 1))
-    PeakSearch(operators, criterion, PLY, group).peaks(F, case, groups, cases)
+    search = PeakSearch(operators, criterion, PLY, group)
+    search.peaks(F, case, groups, cases)
+    parts = Highest(np.zeros(groups.exposure.size)), Highest(np.zeros(cases.exposure.size))
+    for some in (slice(0, instants // 2), slice(instants // 2, None)):  # one after the other
+        search.peaks(F[:, some], case[some], *parts)
+    np.testing.assert_allclose(parts[0].exposure, groups.exposure, rtol=1e-12)
+    np.testing.assert_allclose(parts[1].exposure, cases.exposure, rtol=1e-12)
     for sets, own in ((groups, group[:, None]), (cases, case)):
         for k, highest in enumerate(sets.exposure):
             assert highest == pytest.approx(np.where(own == k, everywhere, 0.0).max(), rel=1e-12)

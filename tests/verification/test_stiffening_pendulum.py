@@ -40,7 +40,10 @@ def test_geometric_stiffness_is_the_slope_of_the_forces_at_held_accelerations():
             state[a + k] += sign * h
             slope[:, k] += sign * unbalanced(state) / (2.0 * h)
     slope = 0.5 * (slope + slope.T)
-    K, lost = SpinMonitor(model, ["arm", "hand"]).matrices(i, y)
+    monitor = SpinMonitor(model, ["arm", "hand"])
+    K, lost = monitor.matrices(i, y)
+    of_both = monitor.matrices(i, np.stack([y, 0.5 * y]))[1]  # by the square of the spin
+    np.testing.assert_allclose(of_both, [lost, 0.25 * lost], atol=1e-12 * np.abs(lost).max())
     Kg = geometric_stiffness(model, model, i, np.zeros(1), y[None])[0]
     scale = 1.0 / np.sqrt(np.outer(np.diag(K), np.diag(K)))
     geometric = scale * Kg
