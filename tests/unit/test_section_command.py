@@ -13,7 +13,8 @@ from plymotion.solver.commands.bodies.section import read_list
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.section.study import changed, described_spec
 from plymotion.solver.package.common.design import Derivative
-from plymotion.solver.package.common.plain_data import by_mesh, mesh_key, shard, share
+from plymotion.solver.package.common.plain_data import by_mesh, check_form, mesh_key, shard, share
+from plymotion.solver.package.specification import DesignTarget
 from plymotion.solver.report.section.codes import SectionResults
 from plymotion.solver.report.section.section_text import (
     Row,
@@ -317,6 +318,7 @@ def test_parameters_move_what_follows_from_them(tmp_path: Path) -> None:
         "E": {"materials.ply.E2": 1.0},
     }
     spec = described_spec(file, {}, "box", tmp_path, asked)
+    check_form(spec["design"], dict[str, list[DesignTarget]])  # as the preprocessor does
     plain = described_spec(file, {}, "box", tmp_path)
     assert {key: value for key, value in spec.items() if key != "design"} == plain
     targets = {
@@ -325,11 +327,11 @@ def test_parameters_move_what_follows_from_them(tmp_path: Path) -> None:
     }
     walls = ("top", "right", "bottom", "left")
     assert targets["a"] == pytest.approx(
-        {("regions", wall, "plies", 1, "angle_deg"): 2.0 for wall in walls}
+        {("regions", wall, "plies", "1", "angle_deg"): 2.0 for wall in walls}
     )
     assert targets["E"] == pytest.approx({("materials", "ply", "E2"): 1.0})
     sizes = {("mesh", "parameters", f"wall_{wall}"): 2.0 for wall in walls}
-    plies = {("regions", w, "plies", i, "thickness"): 1.0 for w in walls for i in (0, 1)}
+    plies = {("regions", w, "plies", i, "thickness"): 1.0 for w in walls for i in "01"}
     found = targets["t"]
     assert {key: found[key] for key in sizes | plies} == pytest.approx(sizes | plies)
     assert {key[1] for key in found.keys() - (sizes | plies).keys()} == {"parameters"}
@@ -342,11 +344,12 @@ def test_parameters_move_what_follows_from_them(tmp_path: Path) -> None:
         ("laminates.wall.material", r"laminates.wall.material = 'ply': expected a number"),
         ("laminates.wall.angles_deg.2", "has no 2"),
         ("laminates.wall.symmetric", "laminates.wall.symmetric = None: expected a number"),
+        ("mesh.wall", r"box\.toml: mesh\.wall: changed alone, regions\.all: its 2 plies"),
     ],
 )
 def test_parameters_that_are_no_numbers(key: str, message: str, tmp_path: Path) -> None:
     file = tmp_path / "box.toml"
-    file.write_text(BOX)
+    file.write_text(BOX.replace("0.014 }", "0.014, wall = 0.0008 }"))
     with pytest.raises(InputError, match=message):
         described_spec(file, {}, "box", tmp_path, {key: {key: 1.0}})
 

@@ -244,7 +244,13 @@ def design_of(
 
         def leaves(place: float, moves: dict[str, tuple[float, float]] = moves) -> Leaves:
             moved = {key: value + place * move for key, (value, move) in moves.items()}
-            return leaves_of(section_spec(changed(table, moved, file), file, folder))
+            try:
+                return leaves_of(section_spec(changed(table, moved, file), file, folder))
+            except InputError as error:
+                if not place:
+                    raise
+                said = str(error).partition(f"{file}: ")[2]
+                raise InputError(f"{file}: {', '.join(moves)}: changed alone, {said}") from error
 
         rates, here = _rates(leaves)
         if rates is None:
@@ -253,7 +259,7 @@ def design_of(
                 "value, so that there is no derivative; expected a slightly different one"
             )
         parameters[name] = [
-            {"of": list(path), "factor": float(f"{rate / step:.13g}")}
+            {"of": [*map(str, path)], "factor": float(f"{rate / step:.13g}")}
             for path, rate in rates.items()
             if abs(rate) > ROUNDING * abs(here[path])
         ]
