@@ -26,6 +26,11 @@ def distinct(*arrays: Any) -> Any:
     return np.unique(np.concatenate(arrays, axis=None), return_index=True)[0]
 
 
+def quadratic_forms(H: Array, q: Array) -> Array:
+    """Return q' H_a q (k, a) of each row of q (k, m), H (a, m, m)."""
+    return np.asarray(np.einsum("akj,kj->ka", q @ H, q))
+
+
 def zeros_of(
     kind: Callable[..., Memory], sizes: Mapping[str, int], one: Any = 1.0, **given: Any
 ) -> Memory:

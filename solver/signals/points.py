@@ -7,7 +7,7 @@ import numpy as np
 
 from ..dynamics.analysis.motions.table import MOTIONS
 from ..dynamics.analysis.recovery import Recording, stiffened
-from ..math.arrays import Array
+from ..math.arrays import Array, quadratic_forms
 from ..math.compiled import lean
 from ..math.rotations import shortest_rotations, vector_of, vector_to_matrix, vectors_to_matrices
 from ..mechanism.built import BuiltMechanism, frame_marker
@@ -33,8 +33,8 @@ def elastic_motion(place: Interface, q: Array, second_order: bool) -> tuple[Arra
     """
     u, theta = q @ place.phi_B.T, q @ place.psi_B.T
     if second_order and place.H_B is not None and place.H_psi_B is not None:
-        u = u + 0.5 * np.einsum("aij,ki,kj->ka", place.H_B, q, q, optimize=True)
-        theta = theta + 0.5 * np.einsum("aij,ki,kj->ka", place.H_psi_B, q, q, optimize=True)
+        u = u + 0.5 * quadratic_forms(place.H_B, q)
+        theta = theta + 0.5 * quadratic_forms(place.H_psi_B, q)
     return u, theta
 
 

@@ -3,7 +3,12 @@
 import numpy as np
 import pytest
 
-from plymotion.solver.math.arrays import is_positive_definite, smallest_eigenvalue, to_unit_diagonal
+from plymotion.solver.math.arrays import (
+    is_positive_definite,
+    quadratic_forms,
+    smallest_eigenvalue,
+    to_unit_diagonal,
+)
 
 
 def of_rank(rank: int, n: int, rng: np.random.Generator) -> np.ndarray:
@@ -54,3 +59,10 @@ def test_diagonal_that_is_rounding() -> None:
         A = np.diag([1.0, entry])
         assert smallest_eigenvalue(A, np.array([1.0, 1.0])) == pytest.approx(entry, abs=1e-30)
     assert smallest_eigenvalue(np.diag([1.0, 1e-17])) == pytest.approx(1.0)
+
+
+def test_quadratic_forms_of_rows() -> None:
+    rng = np.random.default_rng(2)
+    H, q = rng.normal(size=(3, 4, 4)), rng.normal(size=(5, 4))
+    expected = [[row @ each @ row for each in H] for row in q]
+    np.testing.assert_allclose(quadratic_forms(H, q), expected, atol=1e-13)

@@ -12,7 +12,7 @@ by bodies and their products with the constraint Jacobian.
 
 import numpy as np
 
-from ...math.arrays import Array, Triple
+from ...math.arrays import Array, Triple, quadratic_forms
 from ...math.compiled import COMPILED, inlined, jit, lean
 from ...math.rotations import (
     column,
@@ -269,7 +269,7 @@ def second_order_first_moment(model: Model, i: int, q: Array) -> Array:
     i : number of the body
     q : its modal coordinates (k, m)
     """
-    return 0.5 * np.einsum("aij,ki,kj->ka", _distances(model, i)[:3], q, q, optimize=True)
+    return 0.5 * quadratic_forms(_distances(model, i)[:3], q)
 
 
 def _distances(model: Model, i: int) -> Array:
