@@ -29,6 +29,7 @@ from ..package import ModalPackage
 from ..package.body.invariants import body_size
 from ..results.codes import FEW_MODES, Finding
 from .finished import FinishedRun
+from .stiffening import WITH_DATA
 from .tolerances import LOAD_ROUNDING, OVERSHOOT, SLIGHT, SMALL_LOAD, STRAIGHT
 
 WINDOWS, WIDTH = 6, 9  # how many are looked at, and outputs in each
@@ -76,18 +77,28 @@ def missing_findings(run: FinishedRun) -> Iterator[Finding]:
 
 
 def unjudged_hints(run: FinishedRun) -> list[str]:
-    """Return a remark on the flexible bodies whose packages have no compliance, if there are any.
+    """Return remarks on the flexible bodies whose packages lack what a check needs.
 
-    Those of modes alone, and of earlier versions: mass stations and modes do not show what the
-    modes miss.
+    Those of modes alone, and of earlier versions, have no compliance: mass stations and modes do
+    not show what the modes miss. Without second-order data, only the stiffening by spin is judged.
     """
-    bare = [n for n, p in run.packages.items() if p.n_mode and p.compliance is None]
-    if not bare:
-        return []
-    return [
-        f"not judged: whether the modes of {few(bare)} carry the loads of the run (modes-too-few); "
-        "packages of earlier versions and of modes alone have no compliance: build them again"
-    ]
+    flexible = {n: p for n, p in run.packages.items() if p.n_mode}
+    bare = [n for n, p in flexible.items() if p.compliance is None]
+    asked = run.mechanism.solver.geometric_stiffening  # it is a warning then
+    linear = [n for n, p in flexible.items() if p.second_order is None and not asked]
+    hints = []
+    if bare:
+        hints.append(
+            f"not judged: whether the modes of {few(bare)} carry the loads of the run "
+            "(modes-too-few); packages of earlier versions and of modes alone have no compliance: "
+            "build them again"
+        )
+    if linear:
+        hints.append(
+            f"not judged: whether forces stiffen or buckle {few(linear)} (stiffening-matters, "
+            f"buckling-load), for want of second-order data. {WITH_DATA}"
+        )
+    return hints
 
 
 def unit_motions(package: ModalPackage) -> Array:

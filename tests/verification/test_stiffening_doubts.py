@@ -17,6 +17,7 @@ from plymotion.solver.checks.stability import (
     SpinMonitor,
     geometric_stiffness,
 )
+from plymotion.solver.checks.statics import unjudged_hints
 from plymotion.solver.checks.stiffening import stiffening_findings
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
 from plymotion.solver.dynamics.evaluation.accelerations import assemble, derivative
@@ -146,8 +147,10 @@ def test_a_spinning_body_without_second_order_data_is_told_too(axis, share, expe
     assert slowest == pytest.approx(3.516 * np.sqrt(K[5, 5] / MASS[0, 0]) / LENGTH**2, rel=0.01)
     y[0, model.n_pos + 3 + axis] = np.sqrt(share) * slowest
     rest = Solution(np.zeros(1), y, "finished", "")
-    found = list(stiffening_findings(FinishedRun(mechanism, built, Treatment(), rest)))
+    run = FinishedRun(mechanism, built, Treatment(), rest)
+    found = list(stiffening_findings(run))
     assert [finding.code for finding in found] == expected
+    assert "not judged: whether forces stiffen or buckle column" in unjudged_hints(run)[0]
     assert [finding.value for finding in found] == pytest.approx([share] * len(expected), rel=0.01)
 
 
