@@ -27,9 +27,8 @@ from ..math.rotations import skew
 from ..mechanism.built import BuiltMechanism
 from ..package import ModalPackage
 from ..package.body.invariants import body_size
-from ..results.codes import FEW_MODES, Finding
+from ..results.codes import FEW_MODES, WITH_DATA, Finding
 from .finished import FinishedRun
-from .stiffening import WITH_DATA
 from .tolerances import LOAD_ROUNDING, OVERSHOOT, SLIGHT, SMALL_LOAD, STRAIGHT
 
 WINDOWS, WIDTH = 6, 9  # how many are looked at, and outputs in each

@@ -23,16 +23,13 @@ from ..results.codes import (
     NO_STIFFENING_DATA,
     ROTATION,
     TILTING,
+    WITH_DATA,
     Finding,
 )
 from .finished import FinishedRun
 from .stability import Loading, SpinMonitor, buckling_text, geometric_stiffness, joints_hold
 from .tolerances import FREE_MODE, WHIRLS
 
-WITH_DATA = (
-    "Beams of up to 40 modes have them since format 1.3 of the package, shells and solids with "
-    "second_order = true: build it again. Imported bodies and measured modes have none"
-)
 MOST_FREE = 41  # states of which the mass of free motions is computed, a dense problem
 
 

@@ -148,6 +148,10 @@ INDEFINITE = _run(
     "stiffened-mass-indefinite", "error", -1e-12, why="a stiffened body is too far from its frame"
 )
 NO_STIFFENING_DATA = _run("stiffening-without-data")
+WITH_DATA = (
+    "Beams of up to 40 modes have them since format 1.3 of the package, shells and solids with "
+    "second_order = true: build it again. Imported bodies and measured modes have none"
+)
 PLY_FAILURE = _run("ply-failure", limit=1.0)
 PLAN_TOO_COARSE = Code("plan-too-coarse", "warning")
 INPUT = Code("input", "error")

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 from samples.fidelity_samples import pendulum, planned_run
+from samples.recovery_samples import STEEL, STEEL_STRENGTH, plies_of, rectangle_recovery
 
 from plymotion.solver.dynamics.evaluation.accelerations import assemble, masses_and_jacobians
 from plymotion.solver.inputs.case.tables.schema import Mechanism
@@ -93,6 +94,24 @@ def test_a_body_of_one_package_is_said_not_to_be_checked():
     spec = replace(spec, mechanism=Mechanism.model_validate(table))
     words = entry(plan_of(spec, spec.packages))["not_checked"]
     assert "bodies of one package: its mesh and its modes (link0)" in words
+
+
+def test_a_strength_ratio_that_is_infinite_at_the_start_can_be_met():
+    table = pendulum(t_end=0.2, signals=["reserve"], accuracy=0.1)
+    table["signals"]["reserve"] = {"kind": "strength_ratio", "body": "link0"}
+    steel = {"steel": {**STEEL, "strength": STEEL_STRENGTH}}
+    recovery = rectangle_recovery(0.01, 0.04, plies_of(("steel", 0.0)), steel)
+    spec, check = planned_run(table, "soft")
+    model, check = (
+        {
+            name: replace(package, sections=(replace(package.sections[0], recovery=recovery),))
+            for name, package in packages.items()
+        }
+        for packages in (spec.packages, check)
+    )
+    answer = checked(plan_of(replace(spec, packages=model), check))
+    assert answer.verdict == "met"
+    assert 0.0 < answer.estimates["reserve"] < 0.1
 
 
 def test_modes_across_the_plane_of_a_motion_do_not_respond():

@@ -114,6 +114,8 @@ class Relatives:
 def relatives(names: list[str], mechanism: Any, built: BuiltMechanism, y0: Array) -> Relatives:
     """Return the relatives of signals of a mechanism in state y0 (n,), which gives its size.
 
+    A strength ratio, infinite without stress, is compared by the exposure, its inverse.
+
     Parameters
     ----------
     names : of the signals
@@ -122,7 +124,10 @@ def relatives(names: list[str], mechanism: Any, built: BuiltMechanism, y0: Array
     y0 : (n,) state that gives the size of the mechanism
     """
     size = extent(built.model, y0)
-    table = dict(mechanism.signals)
+    table = {
+        name: with_values(signal, kind="exposure") if signal.kind == "strength_ratio" else signal
+        for name, signal in mechanism.signals.items()
+    }
     least: dict[str, float] = {}
     factors: dict[str, dict[str, float]] = {}
     for name in names:
