@@ -287,6 +287,10 @@ UNLIKE = [
         "materials.glass.nu = [0.533, 0.533, 0.533]: no elastic material",
     ),
     (lambda b, t: t["materials"][2].update(E=4e6), "materials.adhesive: E is below 1e+08 Pa"),
+    (
+        lambda b, t: b["outer_shape"]["rthick"].update(values=[1.0, 1.0, 0.24, 0.1]),
+        "outer_shape.rthick.values: 0.1 to 1, but airfoils from 0.2",
+    ),
     (lambda b, t: t["airfoils"][1].update(rthick=0.3), "airfoils.thin.rthick: 0.3, but its coord"),
 ]
 

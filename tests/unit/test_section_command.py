@@ -136,6 +136,10 @@ def test_lists_by_folder_pattern_and_text(tmp_path: Path) -> None:
     assert [e.name for e in read_list(str(tmp_path))] == ["box", "tube"]
     assert [e.name for e in read_list(str(tmp_path / "b*.toml"))] == ["box"]
     (tmp_path / "list.txt").write_text("# all\ntube.toml  # round\n\nbox.toml\n")
+    marked = tmp_path / "what?[1]"  # no pattern: the folder is there
+    marked.mkdir()
+    (marked / "list.txt").write_text("../box.toml\n")
+    assert [e.name for e in read_list(str(marked / "list.txt"))] == ["box"]
     assert [e.file for e in read_list(str(tmp_path / "list.txt"))] == [
         tmp_path / "tube.toml",
         tmp_path / "box.toml",

@@ -49,7 +49,7 @@ def read_list(place: str) -> list[Entry]:
     path = Path(place)
     if path.is_dir():
         entries = entries_of(sorted(path.glob("*.toml")))
-    elif glob.has_magic(place):
+    elif glob.has_magic(place) and not path.is_file():
         entries = entries_of(Path(name) for name in sorted(glob.glob(place, recursive=True)))
     elif path.suffix == ".toml":
         entries = _study_entries(path)

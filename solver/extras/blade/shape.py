@@ -287,6 +287,12 @@ def doubts(shape: Shape) -> Iterator[str]:
         )
     if twist > TWISTED:
         yield f"outer_shape.twist.values: up to {twist:g}; expected degrees"
+    sizes, asked = [one.thickness for one in shape.airfoils], shape.thickness.values
+    if asked.min() < min(sizes) - DOUBTFUL or asked.max() > max(sizes) + DOUBTFUL:
+        yield (
+            f"outer_shape.rthick.values: {asked.min():g} to {asked.max():g}, but airfoils from "
+            f"{min(sizes):g} to {max(sizes):g}; the thinnest and the thickest are used beyond"
+        )
     for one in shape.airfoils:
         own = float(np.ptp(one.points[:, 1]))
         if abs(own - one.thickness) > DOUBTFUL:
