@@ -195,6 +195,7 @@ SHELL_CODES = _of_files(
 SECTION_CODES = _of_files(
     ("unmerged-nodes", 1e-7),
     ("sliver-elements", 0.04),
+    "cells-overlap",
     "plies-not-resolved",
     "degree-1-locks",
     ("nearly-incompressible", 5e3),

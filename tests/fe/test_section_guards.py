@@ -157,6 +157,16 @@ def test_a_slit_is_warned_of(mesh: Mesher, tmp_path: Path) -> None:
     assert codes(by_hand(tmp_path, nodes[:9], merged, 3)) == []
 
 
+@pytest.mark.provokes("cells-overlap")
+def test_skins_over_each_other(tmp_path: Path) -> None:
+    """Two sides of a trailing edge with common nodes at the nose only, which is on the left."""
+    nodes = [(-1, 1), (-1, 0), (-1, -1), (0, 1), (0, 0), (0, -1)]
+    nodes += [(1, 1), (1, -0.7), (2, 1), (2, -0.7), (1, 0.7), (1, -1), (2, 0.7), (2, -1)]
+    cells = [(1, 4, 3, 0), (2, 5, 4, 1), (4, 7, 6, 3), (7, 9, 8, 6), (5, 11, 10, 4)]
+    wedge = by_hand(tmp_path, nodes, [*cells, (11, 13, 12, 10)], 3)
+    assert codes(wedge) == ["cells-overlap"]
+
+
 # cells
 
 

@@ -22,6 +22,7 @@ QUADRATURE_DEGREE = 6
 TURNED = ([0, 2, 1, 5, 4, 3, 6, 7, 8], [0, 3, 2, 1, 7, 6, 5, 4, 8])
 COINCIDENT = 1e-7  # of the section's size: two nodes at the same place,
 TOUCHING = 1e-2  # unless that is more than this part of the shortest edge at either of them
+PAIRS = 2_000_000  # of cells and outer edges that are compared: 0.1 s
 ROUNDING = 1e-12  # of the square of a cell's size: a smaller area counts as zero
 
 # Sliver: smallest angle, largest change of area within a cell. Long rectangles are harmless, as
@@ -47,7 +48,7 @@ def checked(mesh: CellMesh, where: str) -> tuple[CellMesh, Warnings]:
     mesh = _counter_clockwise(mesh, where)
     neighbours = _neighbours(mesh, where)
     _one_part(mesh, neighbours, where)
-    return mesh, [*_unmerged(mesh), *_slivers(mesh)]
+    return mesh, [*_unmerged(mesh), *_slivers(mesh), *_overlapping(mesh)]
 
 
 def _at(place: Array) -> str:
@@ -208,6 +209,31 @@ def _unmerged(mesh: CellMesh) -> Warnings:
         f"{len(pairs)} pairs of nodes have the same position, as at "
         f"{_at(mesh.points[pairs[0, 0]])}, but are not merged: the section has a slit there; "
         "merge them if it is not intended (gmsh: Coherence; or Coherence Mesh;)",
+    )
+
+
+def _overlapping(mesh: CellMesh) -> Warnings:
+    """Warning about cells over others, as of two skins at a trailing edge that share no nodes.
+
+    The outer edges wind twice around the middle of such a cell. Of large meshes some are tried.
+    """
+    _, first, second = mesh.edge_table
+    n = len(mesh.points)
+    outer = ~np.isin(first * n + second, second * n + first)
+    a, b = mesh.points[first[outer]], mesh.points[second[outer]]
+    rows = np.arange(0, mesh.n_cell, 1 + mesh.n_cell * len(a) // PAIRS)
+    x, y = mesh.middles[rows].T[..., None]
+    left = (b[:, 0] - a[:, 0]) * (y - a[:, 1]) - (b[:, 1] - a[:, 1]) * (x - a[:, 0])
+    up = (a[:, 1] <= y) & (b[:, 1] > y) & (left > 0.0)
+    down = (a[:, 1] > y) & (b[:, 1] <= y) & (left < 0.0)
+    over = rows[up.sum(axis=1) - down.sum(axis=1) > 1]
+    if not over.size:
+        return []
+    return coded(
+        "cells-overlap",
+        f"{len(over)} of {len(rows)} cells lie over others, one at {_at(mesh.middles[over[0]])} in "
+        f"region {_region(mesh, over[0])!r}: stiffness and mass count twice there; cut the parts "
+        "where they meet (gmsh: BooleanFragments)",
     )
 
 
