@@ -12,10 +12,13 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
-from types import FrameType
-from typing import Any
+from types import CodeType, FrameType
+from typing import Any, TypeVar
 
 from .platform import ENDING, POSIX, alarm, blocked, pass_on
+
+Handler = Callable[[int, FrameType | None], None]
+Function = TypeVar("Function", bound=Callable[..., Any])
 
 INTERRUPTED = 130  # exit code of a program that was ended by Ctrl-C
 
@@ -54,6 +57,7 @@ def _not_lost() -> Iterator[None]:
     """
     before = sys.unraisablehook
 
+    @uninterrupted
     def hook(dropped: "sys.UnraisableHookArgs") -> None:
         if issubclass(dropped.exc_type, KeyboardInterrupt) and _received:
             # Not threading.Thread: the finalizer may run where that holds its lock.
@@ -69,11 +73,35 @@ def _not_lost() -> Iterator[None]:
 
 
 def _send_again(number: int) -> None:
-    time.sleep(0.001)  # the finalizer has returned
+    time.sleep(0.001)  # the finalizer has returned, or an uninterrupted function
     if sys.platform == "win32":
         signal.raise_signal(number)
     else:
         signal.pthread_kill(threading.main_thread().ident or 0, number)
+
+
+_whole: set[CodeType] = set()  # functions that end before a signal counts
+
+
+def uninterrupted(function: Function) -> Function:
+    """Let a function end before a signal counts: HDF5 may crash where an exception ends a call."""
+    _whole.add(function.__code__)
+    return function
+
+
+def _waiting(handler: Handler) -> Handler:
+    """Return a handler that waits for the end of uninterrupted functions."""
+
+    def outside(number: int, frame: FrameType | None) -> None:
+        place = frame
+        while place is not None and place.f_code not in _whole:
+            place = place.f_back
+        if place is None:
+            handler(number, frame)
+        else:
+            _thread.start_new_thread(_send_again, (number,))
+
+    return outside
 
 
 def note_complete(file: str) -> None:
@@ -156,7 +184,7 @@ def completing(patience_s: float | None = None) -> Iterator[None]:
         if patience_s is None or stops:
             return
         # Repeated: Python drops an exception within a finalizer.
-        stop = alarm(patience_s, expired)
+        stop = alarm(patience_s, _waiting(expired))
         if stop is None:
             raise KeyboardInterrupt
         stops.append(stop)
@@ -236,15 +264,15 @@ def shielded() -> Iterator[None]:
         yield
 
 
-def handle(handler: Callable[[int, FrameType | None], None]) -> None:
+def handle(handler: Handler) -> None:
     """Set the handler of a process for all signals that are not ignored."""
     for number in ENDING:
         if signal.getsignal(number) is not signal.SIG_IGN:
-            signal.signal(number, handler)
+            signal.signal(number, _waiting(handler))
 
 
 @contextlib.contextmanager
-def _handled(handler: Callable[[int, FrameType | None], None]) -> Iterator[None]:
+def _handled(handler: Handler) -> Iterator[None]:
     if threading.current_thread() is not threading.main_thread():
         yield
         return

@@ -327,3 +327,34 @@ def test_a_signal_in_a_finalizer_is_not_lost():
     words = [sys.executable, "-c", WITHIN_A_FINALIZER]
     done = subprocess.run(words, capture_output=True, text=True, timeout=WAIT_S)
     assert (done.returncode, done.stderr) == (143, "interrupted: nothing written\n")
+
+
+# A signal within a call of the file by HDF5, which writes most of it when it closes.
+CLOSES = """
+import signal, sys, time
+from pathlib import Path
+from plymotion.solver.package.common.container import new_file
+from plymotion.solver.package.common.files import DiskFile
+from plymotion.solver.system.interrupts import handled_signals
+
+def inside(frame, event, _):
+    if event == "call" and frame.f_code is DiskFile.write.__code__:
+        sys.setprofile(None)
+        signal.raise_signal(signal.SIGINT)
+
+try:
+    with handled_signals():
+        with new_file(Path(sys.argv[1])) as file:
+            for k in range(100):
+                file[str(k)] = [float(k)] * 100
+            sys.setprofile(inside)
+        time.sleep(60.0)
+except KeyboardInterrupt:
+    print("ended")
+"""
+
+
+def test_a_signal_waits_for_hdf5(tmp_path):
+    """An exception within its call was dropped, or ended the program by a segmentation fault."""
+    done = this_python("-c", CLOSES, str(tmp_path / "sample.h5"))
+    assert (done.returncode, done.stdout, done.stderr) == (0, "ended\n", "")

@@ -10,6 +10,7 @@ import numpy as np
 
 from ....solver.errors import InputError, nearest, printable
 from ....solver.package import ModalPackage
+from ....solver.package.common.container import written_through
 from ....solver.package.common.files import DiskFile, temporary_sibling
 from ..free_body import Cells, ModalBody
 from ..import_table import Files
@@ -53,8 +54,7 @@ def write(package: ModalPackage, out: Path, source: Path) -> str:
     with (
         temporary_sibling(out) as temporary,
         DiskFile(temporary) as disk,
-        disk.reported(),
-        h5py.File(disk, "w", libver=("earliest", "v110")) as file,
+        written_through(disk) as file,
     ):
         file.create_group("INFOS_GENERALES").attrs.update({"MAJ": 3, "MIN": 0, "REL": 0})
         _mesh(file, package, name)

@@ -20,6 +20,7 @@ import h5py
 import numpy as np
 
 from ...errors import PackageError
+from ...system.interrupts import uninterrupted
 from .files import DiskFile, has_right_seal, sealed_bytes, temporary_sibling
 
 SMALL = 200_000_000  # bytes that any file may have
@@ -100,9 +101,30 @@ def new_file(path: Path) -> Iterator[h5py.File]:
     Raises OSError : no room on the disk, with the size of the file.
     """
     with temporary_sibling(path) as temporary, DiskFile(temporary) as disk:
-        with disk.reported(), h5py.File(disk, "w", libver=LIBVER) as file:
+        with written_through(disk) as file:
             yield file
         disk.seal()
+
+
+@contextlib.contextmanager
+def written_through(disk: DiskFile) -> Iterator[h5py.File]:
+    """Open a new HDF5 file that is closed before `disk` is, also after a signal."""
+    with disk.reported():
+        file = _opened(disk)
+        try:
+            yield file
+        finally:
+            _close(file)
+
+
+@uninterrupted
+def _opened(disk: DiskFile) -> h5py.File:
+    return h5py.File(disk, "w", libver=LIBVER)
+
+
+@uninterrupted
+def _close(file: h5py.File) -> None:
+    file.close()
 
 
 @contextlib.contextmanager

@@ -6,7 +6,7 @@ that the user named are not followed if they lead out of it; docs/security.md ha
 
 HDF5 cannot be stopped in the middle of a file: an error of the disk while it writes may end the
 whole program. It therefore writes through an object that notes the first error and accepts the
-rest; the error is raised when HDF5 has closed the file.
+rest; the error is raised when HDF5 has closed the file. Signals wait for calls of this object.
 
 The seal is a line after the end of the HDF5 file, which HDF5 ignores: reading a file with a wrong
 byte may end the program as well. HDF5 removes it when it opens the file for changes.
@@ -24,7 +24,7 @@ from pathlib import Path
 from typing import Any, BinaryIO
 
 from ...errors import InputError
-from ...system.interrupts import note_complete
+from ...system.interrupts import note_complete, uninterrupted
 from ...system.platform import has_ended, host
 
 SEAL = b"\nplymotion sha256 "
@@ -43,12 +43,14 @@ class DiskFile(io.FileIO):
         self._error: OSError | None = None
         self._kept: list[tuple[int, bytes]] = []
 
+    @uninterrupted
     def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
         """Set the place of the next read or write."""
         if whence == os.SEEK_END:
             offset, whence = offset + self._end, os.SEEK_SET
         return super().seek(offset, whence)
 
+    @uninterrupted
     def readinto(self, buffer: "bytearray | memoryview") -> int:  # type: ignore[override]
         """Read what was written, on the disk or not."""
         place, view = self.tell(), memoryview(buffer).cast("B")
@@ -61,6 +63,7 @@ class DiskFile(io.FileIO):
         self.seek(place + len(view))
         return len(view)
 
+    @uninterrupted
     def write(self, data: "bytes | memoryview") -> int:  # type: ignore[override]
         """Write; an error of the disk is noted."""
         place, raw, done = self.tell(), memoryview(data).cast("B"), 0
@@ -74,6 +77,7 @@ class DiskFile(io.FileIO):
         self._end = max(self._end, self.seek(place + len(raw)))
         return len(raw)
 
+    @uninterrupted
     def truncate(self, size: int | None = None) -> int:
         """Set the size of the file."""
         self._end = self.tell() if size is None else size
