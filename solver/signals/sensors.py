@@ -255,7 +255,8 @@ def sensors(
             else:
                 unit, values, look = _measuring(built, name, signal, turns)
             if signal.divide_by is not None:
-                unit, values = "-", _divided(values, signal.divide_by)
+                unit = unit if signal.keep_unit else "-"
+                values = _divided(values, signal.divide_by)
             measured[name] = unit, values, look
         return measured[name]
 

@@ -57,6 +57,11 @@ run = "calm"
 kind = "norm"
 of = ["fall", "fall"]
 divide_by = 2.0
+[signals.half]
+kind = "norm"
+of = ["fall"]
+divide_by = 2.0
+keep_unit = true
 """
 
 
@@ -82,7 +87,7 @@ def test_closed_forms(tmp_path):
     np.testing.assert_allclose(values["fall"], -5 * t**2, atol=1e-9)
     np.testing.assert_allclose(values["across"], 2 * t, atol=1e-9)
     np.testing.assert_allclose(values["double"], 5 * t**2 / np.sqrt(2.0), atol=1e-9)
-    assert [found[n].unit for n in ("error", "fall", "double")] == ["m", "m", "-"]
+    assert [found[n].unit for n in ("error", "fall", "double", "half")] == ["m", "m", "-", "m"]
     assert summary["signals"]["fall"]["peak_to_peak"] == pytest.approx(5.0, abs=1e-9)
     assert summary["signals"]["error"]["max"] == pytest.approx(np.sqrt(26.0), abs=1e-9)
 

@@ -35,6 +35,7 @@ def test_a_robot_becomes_a_case(tmp_path: Path, capsys: pytest.CaptureFixture[st
     assert case.bodies.wrist.mass == pytest.approx(0.55)
     assert set(case.bodies.wrist.interfaces) == {"wrist", "tool", "tip"}
     assert case.signals.shoulder_motor.divide_by == 100.0
+    assert case.signals.shoulder_motor.keep_unit, "a torque [N m]"
     # the box keeps its volume and centre, the cylinder and sphere those of their polygons
     box = stl_triangles(out / "meshes/upper_arm.stl")
     assert volume(box) == pytest.approx(0.4 * 0.06 * 0.05, rel=1e-6)

@@ -441,6 +441,7 @@ class _Writer:
             self._tables["signals"][f"{name}_motor"] = {
                 **signal,
                 "divide_by": reduction,
+                "keep_unit": True,
                 "description": f"torque of the motor, before its reduction of {reduction:g}",
             }
 

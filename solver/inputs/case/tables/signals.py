@@ -19,6 +19,7 @@ class Measured(Table):
     """Keys of every signal."""
 
     divide_by: float | None = optional("makes the signal dimensionless (in its unit)", gt=0)
+    keep_unit: bool = entry("`divide_by` is a pure number, such as that of a gear", default=False)
     description: str = entry("words for figures and tables", default="")
 
 
