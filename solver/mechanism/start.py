@@ -9,6 +9,7 @@ from ..dynamics.analysis.quasi_static import (
     motions_without_strain,
     quasi_static_deformations,
     quasi_static_deformations_of_loops,
+    quasi_static_rates,
 )
 from ..dynamics.analysis.recovery import extent, shape_sizes
 from ..dynamics.elements.added_inertia import undetermined_body
@@ -33,6 +34,7 @@ from .tolerances import (
     DRIVE_CONTRADICTS,
     NO_DISPLACEMENT,
     NO_STRAIN_ENERGY,
+    RATES_LAST,
     SHAPES_DIVERGED,
     SHAPES_SETTLED,
 )
@@ -97,6 +99,9 @@ def quasi_static_state(
 ) -> Array:
     """Return the state (n,) in which the shapes of all bodies balance the loads at t = 0.
 
+    They change at the rate of the loads, if these change slowly and no rate is given: begun at
+    rest, each mode vibrates by this rate over its frequency.
+
     Anderson's method: loads that follow the shapes, as those of the wind, need about half of the
     steps of plain substitution, and converge where it swings.
 
@@ -158,7 +163,18 @@ def quasi_static_state(
         raise _not_converged(body_names, energies, joined=joined)
     if not joined and _gives_way(np.array(shapes), np.array(steps)):
         raise _not_converged(body_names, energies, joined=joined)
-    return y
+    if joined or not model.n_mode.any():
+        return y
+    rates, change = quasi_static_rates(model, 0.0, y)
+    if not change <= RATES_LAST:  # also where the steps have overflowed
+        return y
+    velocities = y[model.n_pos : model.n_pos + model.n_vel].copy()
+    for i, rate in enumerate(rates):
+        modes = slice(int(model.vel_start[i]) + 6, int(model.vel_start[i]) + 6 + len(rate))
+        still = start.given[modes] & (start.velocities[modes] == 0.0)
+        velocities[modes] += np.where(still, rate, 0.0)
+    moving = start._replace(positions=y[: model.n_pos], velocities=velocities)
+    return consistent_state(model, moving, joint_names, moved=True)
 
 
 def _velocities_there(model: Model, start: Start, before: Array, y: Array) -> Array:

@@ -68,3 +68,8 @@ SHAPES_SETTLED = 1e-8
 SHAPES_DIVERGED = 1e8
 NO_STRAIN_ENERGY = 1e-20
 NO_DISPLACEMENT = 1e-13
+
+# Change of the rates of the shapes within a tenth of the slowest period over 2 pi, of the rates.
+# Motions of a third of the first frequency: 0.03. Loads that begin or end within it: 1.
+# Test: tests/verification/test_quasi_static_start.py::test_rates_that_do_not_last_are_not_followed
+RATES_LAST = 0.5

@@ -21,7 +21,7 @@ from ..inputs.case.expressions import is_smooth
 from ..inputs.case.record import needed
 from ..integrators.choice import make_integrator
 from ..integrators.generic.advice import Stall
-from ..integrators.generic.drive import Solution, Watch, integrate
+from ..integrators.generic.drive import Solution, Steps, StopRequest, Watch, integrate
 from ..integrators.table import treatment_of
 from ..math.arrays import Array
 from ..mechanism.assembly import treated
@@ -32,9 +32,10 @@ from ..mechanism.equilibrium import given_spin
 from ..mechanism.python_functions import Called, python_functions, require_permission
 from ..mechanism.start import moved_findings, starting_state
 from ..package import ModalPackage
-from ..results.codes import BREAKS_UNSEARCHED, CHATTERS, SINGULAR, Finding
+from ..results.codes import BREAKS_UNSEARCHED, CHATTERS, RUN_INTERRUPTED, SINGULAR, Finding
 from ..signals import Histories, Sensor, Turns, recorded, sensors
 from .inputs import RunSpec
+from .timing import work_s
 
 if TYPE_CHECKING:
     from ..inputs.case.tables.schema import Mechanism
@@ -363,15 +364,49 @@ def _chatters(built: BuiltMechanism, program: int, t: float) -> Finding:
     return CHATTERS.finding(text, t=t)
 
 
-def complete(prepared: Prepared) -> FinishedRun:
+@dataclass(eq=False, repr=False)
+class Allowance:
+    """Watch that ends a run with its CPU time.
+
+    Attributes
+    ----------
+    monitors : of the run
+    t_end : end of the run [s]
+    seconds : CPU time for it
+    """
+
+    monitors: Watch
+    t_end: float
+    seconds: float
+    begin: float = field(default_factory=work_s)
+
+    @property
+    def note(self) -> Callable[[float, Array], bool]:
+        """As of the monitors; see `Watch`."""
+        return self.monitors.note
+
+    def __call__(self, steps: Steps) -> StopRequest | None:
+        """Show steps to the monitors; ask for the end where the time is used up."""
+        request, t, taken = self.monitors(steps), float(steps.t[-1]), work_s() - self.begin
+        if request is not None or taken <= self.seconds or t >= self.t_end:
+            return request
+        whole = taken * self.t_end / t
+        text = f"its {max(self.seconds, 0.0):.2g} s of CPU time are used up; the whole run takes "
+        return StopRequest(t, f"{text}about {whole:.2g} s", RUN_INTERRUPTED.name)
+
+
+def complete(prepared: Prepared, seconds: float = np.inf) -> FinishedRun:
     """Integrate a run that serves another purpose than its own results: a part of it is no use.
+
+    It stops when it has taken `seconds` of CPU time.
 
     Raises
     ------
     KeyboardInterrupt
         A signal has ended it. `integrated` keeps its part.
     """
-    finished = integrated(prepared)
+    limit = Allowance(prepared.watch, prepared.mechanism.solver.t_end, seconds)
+    finished = integrated(prepared, limit)
     if finished.solution.status == "interrupted":
         raise KeyboardInterrupt
     return finished

@@ -17,6 +17,11 @@ SURELY_MET = 1.0 / 3.0
 # Test: tests/verification/test_fidelity.py::test_checks_of_small_deflections_end_where_two_agree
 LACKING = 1.5
 
+# Steps of a check over those of the last one, from which the difference of both shows an error.
+# The tolerance gives 3^(1/4); this is half of it, 3^(1/8).
+# Test: tests/verification/test_fidelity.py::test_checks_of_a_joint_force_differ_in_their_steps
+MORE_STEPS = 1.15
+
 # CPU time of a check over that of the last one of three times its tolerance: steps are proportional
 # to 1 / tolerance where it decides which vibrations are resolved (four-bars: 1.5 to 3.2).
 # Test: tests/verification/test_fidelity.py::

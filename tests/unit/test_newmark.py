@@ -14,7 +14,7 @@ def one(value):
 def test_an_oscillator_under_a_constant_load(deformed):
     """From zero it vibrates about K^-1 p, with the errors of the method; in balance it stays."""
     t, w, load = np.linspace(0.0, 1.0, 2001), 20.0, 3.0
-    start = np.array([load / w**2]) if deformed else None
+    start = np.array([[load / w**2], [0.0]]) if deformed else None
     q, v, _ = newmark(
         t, np.full((len(t), 1), load), one(1.0)[None], np.array([0]), one(w**2), one(0.0), start
     )

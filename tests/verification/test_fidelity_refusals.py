@@ -3,10 +3,12 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from samples.fidelity_samples import pendulum, planned_run
 from samples.recovery_samples import STEEL, STEEL_STRENGTH, plies_of, rectangle_recovery
 
 from plymotion.solver.dynamics.evaluation.accelerations import assemble, masses_and_jacobians
+from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.case.tables.schema import Mechanism
 from plymotion.solver.studies.fidelity.answer import answer_text, entry, fidelity_line
 from plymotion.solver.studies.fidelity.checked_run import checked, plan_of
@@ -42,11 +44,34 @@ def test_a_refusal_delivers_all_modes_that_respond():
     assert words in answer_text(answer)
 
 
-def test_the_first_check_runs_whatever_the_budget():
-    answer = plan_of(*short(accuracy=1e-3, budget=1e-3))
-    answer.plan = Plan({"link0": BodyPlan()}, False, 1e-4)
-    answer = checked(answer, promote=False)
-    assert answer.delivered is answer.check
+def long(**fidelity):
+    """A run of 1000 steps: time is looked at after every 200."""
+    table = pendulum(t_end=0.1, signals=["force"], **fidelity)
+    table["solver"]["max_step"] = 1e-4
+    return planned_run(table, "soft")
+
+
+def test_planning_ends_with_the_budget():
+    with pytest.raises(InputError, match=r"fidelity.budget = 1e-09: .* the whole run takes about"):
+        plan_of(*long(budget=1e-9))
+
+
+@pytest.mark.parametrize("what", ["model", "check"])
+def test_model_and_check_end_with_the_budget(what):
+    """The run that takes longer is stopped, and no other one begins."""
+    answer = plan_of(*long(accuracy=1e-3))
+    checking = Checking(answer, 1e-3, "pointwise", 60.0)
+    of_model, of_check = (1e-9, 0.0) if what == "model" else (60.0, 1e-9)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Checking, "left", lambda _: of_check if answer.trial else of_model)
+        assert checking.settled()
+    assert answer.verdict == "not met"
+    assert f"the run of the {what} stopped at t = " in answer.reason
+    assert "s of CPU time are used up; the whole run takes about" in answer.reason
+    assert answer.delivered is answer.trial
+    assert entry(answer)["delivered"] == {"run": "model", "error_at_most": {"force": None}}
+    _, summary = answer.delivered.outcome()
+    assert summary["completed"] == (what == "check")
 
 
 def test_a_check_takes_all_vibrations_that_respond():

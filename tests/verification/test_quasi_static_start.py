@@ -68,6 +68,31 @@ def test_a_drive_with_acceleration_does_not_ring(beam, tmp_path):
     assert np.ptp(sudden["tip"]) > 1.5 * np.abs(gentle["tip"][0])
 
 
+def test_shapes_begin_at_the_rate_of_their_loads(beam, tmp_path):
+    """The acceleration of the drive grows in proportion to the time, and so does the deflection.
+
+    Begun at rest, it vibrates by its rate over the frequency.
+    """
+    more = "axis = [0.0, 0.0, 1.0]\ndrive = { polynomial = [0.0, 0.0, 0.0, 0.01] }"
+    text = ARM.replace("-9.81", "0.0").format(joint="revolute", more=more)
+    w = float(beam.frequencies[0])
+    t, found, _ = run_text(tmp_path, text, t_end=20.0 / w, step=0.2 / w, more=QUASI)
+    rate = np.polyfit(t, found["tip"], 1)[0]
+    assert np.abs(found["tip"] - rate * t).max() < 0.01 * abs(rate) / w
+
+
+def test_rates_that_do_not_last_are_not_followed(beam, tmp_path):
+    """A load that is there after a thousandth of a period: its rate would be 15 times its size."""
+    w = float(beam.frequencies[0])
+    law = f"{{ table = {{ times = [0.0, {0.01 / w}, 1.0], values = [0.0, 1.0, 1.0] }} }}"
+    push = '[forces.push]\nkind = "force"\nat = "beam.tip"\ndirection = [0.0, 1.0, 0.0]\n'
+    text = ARM.replace("-9.81", "0.0").format(joint="fixed", more=f"{push}law = {law}\n")
+    _, found, _ = run_text(tmp_path, text, t_end=10.0 / w, step=0.1 / w, more=QUASI)
+    tip = next(place for place in beam.interfaces if place.name == "tip")
+    static = float(tip.phi_B[1] @ np.linalg.solve(beam.stiffness, tip.phi_B[1]))
+    assert found["tip"].max() < 2.1 * static
+
+
 def long_beam(folder, reference):
     """A beam of 100 m and 810 t: a unit of a mode is 1 mm. Sags by 6 m when clamped."""
     K, mass = rectangle(70e9, 0.3, 2700.0, 3.0, 1.0)

@@ -27,18 +27,64 @@ def quasi_static_deformations(model: Model, t: float, y: Array) -> list[Array]:
     t : time [s]
     y : state (n,), as in dynamics/model/model.py
     """
-    heavy = model._replace(M_qq=_HEAVY * model.M_qq, alpha=0.0, beta=0.0, penalty=0.0)
-    if model.n_constraint and not is_tree(model):  # a planar loop of hinges has dependent rows
-        C = scaled_jacobian(assemble(model, t, y).Phi_q, model.inertia_scale)
-        s = np.linalg.svd(C, compute_uv=False)
-        rank = int(np.sum(s > RANK_TOLERANCE * s[0]))
-        heavy = heavy._replace(redundant=model.n_constraint - rank)
+    heavy = _heavy(model, t, y)
     rates, _ = along_solution(heavy, np.array([t]), y[None, :])
     deformations: list[Array] = []
     for i in range(model.n_body):
         loads = modal_matrix(model, heavy.M_qq, i) @ rates[0, model.n_pos :][_modes(model, i)]
         deformations.append(np.asarray(np.linalg.solve(modal_matrix(model, model.K_qq, i), loads)))
     return deformations
+
+
+def _heavy(model: Model, t: float, y: Array) -> Model:
+    """Return the model whose bodies move from state y as if rigid."""
+    heavy = model._replace(M_qq=_HEAVY * model.M_qq, alpha=0.0, beta=0.0, penalty=0.0)
+    if model.n_constraint and not is_tree(model):  # a planar loop of hinges has dependent rows
+        C = scaled_jacobian(assemble(model, t, y).Phi_q, model.inertia_scale)
+        s = np.linalg.svd(C, compute_uv=False)
+        rank = int(np.sum(s > RANK_TOLERANCE * s[0]))
+        heavy = heavy._replace(redundant=model.n_constraint - rank)
+    return heavy
+
+
+_STEP = 0.1  # over the least frequency of the bodies: the loads of a slow motion change by little
+
+
+def quasi_static_rates(model: Model, t: float, y: Array) -> tuple[list[Array], float]:
+    """Return the modal rates (m,) of each body whose shapes follow the loads of a motion.
+
+    They are the changes of `quasi_static_deformations` along two short steps of the motion that
+    begins in state y (n,) with shapes at rest. Then how much they change from one step to the
+    next, of the rates in the norm of the strain energy: much beside stiff springs and dampers,
+    friction, and loads that begin.
+
+    Parameters
+    ----------
+    model : arrays of the mechanism (dynamics/model/model.py)
+    t : time [s]
+    y : state (n,), as in dynamics/model/model.py
+    """
+    heavy, slowest = _heavy(model, t, y), 0.0
+    for i in np.flatnonzero(model.n_mode[: model.n_body]).tolist():
+        K, M = (modal_matrix(model, flat, i) for flat in (model.K_qq, model.M_qq))
+        slowest = max(slowest, float(np.linalg.eigvals(np.linalg.solve(K, M)).real.max()))
+    h, z = _STEP * np.sqrt(slowest), y
+    shapes = [quasi_static_deformations(model, t, y)]
+    for begin in (t, t + h):
+        slopes: list[Array] = []
+        for part in (0.0, 0.5, 0.5, 1.0):  # Runge and Kutta's method
+            at = z + part * h * slopes[-1] if slopes else z
+            rates, _ = along_solution(heavy, np.array([begin + part * h]), at[None, :])
+            slopes.append(np.asarray(rates[0]))
+        z = z + h / 6.0 * (slopes[0] + 2.0 * (slopes[1] + slopes[2]) + slopes[3])
+        shapes.append(quasi_static_deformations(model, begin + h, z))
+    size, changed, found = 0.0, 0.0, list[Array]()
+    for i, (one, two, three) in enumerate(zip(*shapes, strict=True)):
+        first, second, K = (two - one) / h, (three - two) / h, modal_matrix(model, model.K_qq, i)
+        size += float(first @ K @ first)
+        changed += float((second - first) @ K @ (second - first))
+        found.append(1.5 * first - 0.5 * second)
+    return found, float(np.sqrt(changed / size)) if size > 0.0 else 0.0
 
 
 def motions_without_strain(model: Model, t: float, y: Array) -> int:

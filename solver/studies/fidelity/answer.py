@@ -22,11 +22,11 @@ def beyond_theory(trial: Trial) -> list[str]:
     return [finding.text for finding in motion_findings(trial.finished)]
 
 
-def not_compared(model: Trial, check: Trial) -> str:
+def not_compared(model: Trial, check: Trial | None) -> str:
     """Return why model and check could not be compared; "" if both reached the end."""
     reasons = []
     for trial, what in ((check, "check"), (model, "model")):
-        if not trial.complete:
+        if trial is not None and not trial.complete:
             solution = trial.finished.solution
             end = f"the run of the {what} stopped at t = {solution.t[-1]:.4g} s"
             by = f" by `{solution.code}`" if solution.code else ""
@@ -80,11 +80,22 @@ class Answer:
             return {}
         return dict(zip(self.names, self.estimate.tolist(), strict=True))
 
-    def run(self, plan: Plan) -> Trial | None:
-        """Run a plan of the same bodies; see `attempted`."""
-        study = self.study
+    def run(
+        self, plan: Plan, seconds: float = np.inf, longest: float | None = None
+    ) -> Trial | None:
+        """Run a plan of the same bodies; see `attempted`.
+
+        Parameters
+        ----------
+        plan : models of the bodies
+        seconds : CPU time after which the run stops
+        longest : limit of its steps [s]; None: that of the case
+        """
+        study, spec = self.study, self.spec
+        if longest is not None:
+            spec = spec.changed({"solver.max_step": longest})
         quiet = study.indicators.quiet
-        return attempted(self.spec, plan, study.model, study.check, self.names, quiet)
+        return attempted(spec, plan, study.model, study.check, self.names, quiet, seconds)
 
     @property
     def pair(self) -> tuple[Trial, Trial]:

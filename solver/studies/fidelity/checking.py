@@ -10,7 +10,15 @@ from ...inputs.case.record import REACTION
 from ...math.arrays import Array
 from ...package.body.invariants import MOST_MODES
 from ...run.timing import work_s
-from ..tolerances import LACKING, LADDER_COST, REQUEST_MET, SPLIT_COST, STIFFENING_SPIN, SURELY_MET
+from ..tolerances import (
+    LACKING,
+    LADDER_COST,
+    MORE_STEPS,
+    REQUEST_MET,
+    SPLIT_COST,
+    STIFFENING_SPIN,
+    SURELY_MET,
+)
 from .answer import Answer, not_compared
 from .choice import MOTIONS, accuracy_over_rtol
 from .comparison import kind_of_signal
@@ -49,6 +57,12 @@ def tail(m: int, n: int, power: float = POWER) -> float:
 
 
 LADDER = 3.0  # tolerance of a check over that of the next one
+FINER = LADDER**0.25  # steps of a check over those of the last one, by an error estimate of order 3
+
+
+def more_steps(check: Trial, other: Trial) -> bool:
+    """Tell whether another check has so many more steps that their difference shows an error."""
+    return other.steps >= MORE_STEPS * check.steps
 
 
 @dataclass
@@ -84,6 +98,7 @@ class Checking:
         self._steps = 2 if reactions else 1
         self._rtol = min(rtol / LADDER ** (self._steps - 1), TIGHT)
         self._looser = int(np.log(TIGHT / self._rtol) / np.log(LADDER))  # checks above it
+        self._longest: float | None = None  # step of the checks [s]
         self._checks = [answer.check] if answer.check is not None else []
         self.ranked = {name: answer.study.indicators.ranked(name) for name in answer.plan.bodies}
         self._known: list[Trial] = []  # of the last split: one of them may be the next model
@@ -99,15 +114,19 @@ class Checking:
         cpu = self.answer.cpu
         cpu[part] = cpu.get(part, 0.0) + work_s() - begin
 
-    def run(self, plan: Plan) -> Trial | None:
-        """Run a plan; None if it cannot be assembled or, after the first check, without budget."""
+    def run(self, plan: Plan, longest: float | None = None) -> Trial | None:
+        """Run a plan; None if it cannot be assembled or if another run than the first model and
+        the first check does not end within the budget."""
         answer = self.answer
         for trial in self._known:
             if trial.plan == plan:
                 return trial
-        if self.left() <= 0.0 and answer.check is not None:
+        first = answer.trial is None or (answer.check is None and answer.trial.complete)
+        if self.left() <= 0.0 and answer.trial is not None:
             return None
-        result = answer.run(plan)
+        result = answer.run(plan, self.left(), longest)
+        if result is not None and not (result.complete or first) and self.left() <= 0.0:
+            return None
         if result is not None and result.complete:
             answer.tried.append((outline(plan), result.cpu, result.signals))
             self._known.append(result)
@@ -139,7 +158,7 @@ class Checking:
         """Run model and check; tell whether the request is met, or nothing can help."""
         answer = self.answer
         with self._timed("model"):
-            answer.trial = self.run(answer.plan) or answer.trial  # the first whatever the budget
+            answer.trial = self.run(answer.plan) or answer.trial
         wanted = check_plan(answer.plan, answer.study.check, self.tighter)
         if self._ladder:
             wanted = replace(wanted, rtol=min(self._rtol, answer.plan.rtol))
@@ -154,6 +173,8 @@ class Checking:
             answer.reason = "the model of the plan cannot be assembled"
             if answer.check is None:
                 answer.reason = "no check: the budget is used up, or its model cannot be assembled"
+            if answer.trial is not None:
+                answer.reason = not_compared(answer.trial, answer.check) or answer.reason
             return True
         while True:
             early = not_compared(*answer.pair)
@@ -193,8 +214,12 @@ class Checking:
             last = checks[-1]
             if rtol == last.plan.rtol or not last.complete or self._cost() > self.left():
                 return False
+            # Where laws of time or `max_step` limit the steps, the limit falls with the tolerance.
+            if self._longest or (len(checks) > 1 and not more_steps(*checks[-2:])):
+                t_end = self.answer.spec.mechanism.solver.t_end
+                self._longest = t_end / (FINER * last.steps)
         with self._timed("check"):
-            check = self.run(replace(plan, rtol=rtol))
+            check = self.run(replace(plan, rtol=rtol), self._longest)
         if check is not None:
             self.answer.check = check
             checks.append(check)
@@ -205,11 +230,14 @@ class Checking:
         return LADDER_COST * self._checks[-1].cpu
 
     def _changed(self) -> Array | None:
-        """Return the last change of the check (o,); None: not known."""
-        checks = self._checks
-        if len(checks) <= self._steps:
+        """Return the last change of the check (o,); None: not known.
+
+        Checks of equal steps are equal, whatever their error.
+        """
+        compared = self._checks[-1 - self._steps :]
+        if len(compared) <= self._steps or not all(map(more_steps, compared, compared[1:])):
             return None
-        return distance(self.metric, checks[-1 - self._steps], checks[-1])
+        return distance(self.metric, compared[0], compared[-1])
 
     def _expected(self) -> Array:
         """Return the errors (o,) that the tolerance of the check permits."""

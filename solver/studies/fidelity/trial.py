@@ -47,6 +47,11 @@ class Trial:
         """Return what errors of the signals are relative to, (o,)."""
         return np.where(self.sizes > 0.0, self.sizes, scales(metric, self.signals))
 
+    @property
+    def steps(self) -> int:
+        """Number of the integrator's steps."""
+        return int(self.finished.solution.counters.steps)
+
     def outcome(self) -> tuple[RunResult, Summary]:
         """Return result and summary of the run."""
         return collect(self.spec, self.prepared.measured, self.finished, self.cpu)
@@ -59,6 +64,7 @@ def attempted(
     check: Mapping[str, Rich],
     names: list[str],
     quiet: npt.NDArray[np.bool_] | None = None,
+    seconds: float = np.inf,
 ) -> Trial | None:
     """Run a plan; None if its model cannot be assembled.
 
@@ -68,9 +74,10 @@ def attempted(
     model, check : rich packages by body
     names : of the o signals
     quiet : (o,) those that are rounding by the indicators; None: not known
+    seconds : CPU time after which the run stops
     """
     begin = work_s()
-    return _ran(planned(spec, plan, model, check), plan, names, quiet, begin)
+    return _ran(planned(spec, plan, model, check), plan, names, quiet, begin, seconds)
 
 
 def _ran(
@@ -79,11 +86,12 @@ def _ran(
     names: list[str],
     quiet: npt.NDArray[np.bool_] | None,
     begin: float,
+    seconds: float = np.inf,
 ) -> Trial | None:
     """Run the model of a plan, whose work began at `begin`; None if it cannot be assembled."""
     try:
         prepared = prepare(spec.mechanism, spec.packages)
-        finished = complete(prepared)
+        finished = complete(prepared, seconds)
     except InputError:
         return None
     solution = finished.solution

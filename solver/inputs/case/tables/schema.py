@@ -201,7 +201,7 @@ class Fidelity(Table):
         "difference of their largest and smallest values; rms: root mean square",
         default="pointwise",
     )
-    budget: float = entry("CPU time of plan and check; no new run begins after it", "s", 10.0, gt=0)
+    budget: float = entry("CPU time of plan and check; runs end with it", "s", 10.0, gt=0)
 
 
 Body = Annotated[

@@ -97,7 +97,7 @@ def study(
     signals : names of the signals that must be accurate
     """
     begin = work_s()
-    base = base_motion(spec, names)
+    base = base_motion(spec, names, spec.fidelity.budget)
     moved = work_s()
     model = loaded(spec, base, spec.packages, names)
     mechanism, metric, modes = spec.mechanism, spec.fidelity.metric, []
@@ -106,8 +106,7 @@ def study(
             package = model.rich[name].package
             moving, rows = vibrations(package), model.modes[name].tolist()
             modes += [Mode(name, package.mode_labels[j], j in moving) for j in rows]
-    deformed = mechanism.solver.start != "positions"
-    driven = response(base, model.built.model, model.p, deformed=deformed)
+    driven = response(base, model.built.model, model.p, mechanism.solver.start)
     wanted = {name: mechanism.signals[name] for name in signals}
     compared = relatives(signals, mechanism, model.built, driven.y[0])
     measured = compared.sensors(model.built)

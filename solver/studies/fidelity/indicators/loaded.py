@@ -25,6 +25,7 @@ from ....package.body.selection import (
     with_statics,
 )
 from ....package.specification import DIRECTIONS
+from ....results.codes import RUN_INTERRUPTED
 from ....run.inputs import RunSpec
 from ....run.preparation import complete, prepare
 from ...tolerances import FAINT
@@ -35,31 +36,51 @@ BASE_RTOL = 1e-4
 Packages = Mapping[str, ModalPackage]
 
 
-def base_motion(spec: RunSpec, names: list[str]) -> Base:
+class BudgetError(InputError):
+    """Planning alone takes more than the budget."""
+
+
+def base_motion(spec: RunSpec, names: list[str], seconds: float = np.inf) -> Base:
     """Return the motion with rigid bodies `names`; if that cannot move, with their least flexible.
+
+    Parameters
+    ----------
+    spec : a run with `[fidelity]`
+    names : bodies that are rigid
+    seconds : CPU time after which a run stops
 
     Raises
     ------
     InputError
-        The mechanism cannot move with flexible bodies either.
+        The mechanism cannot move with flexible bodies either, or not within the time.
     """
     try:
-        base, reason = _motion(spec, {name: rigid(spec.packages[name]) for name in names})
+        base, reason = _motion(spec, {name: rigid(spec.packages[name]) for name in names}, seconds)
+    except BudgetError:
+        raise
     except InputError as error:
         base, reason = None, str(error).splitlines()[0]
     if base is not None:
         return base
     least = {name: least_flexible(spec.packages[name]) for name in names}
-    base, why = _motion(spec, least)
+    base, why = _motion(spec, least, seconds)
     if base is None:
         raise InputError(f"fidelity: no motion to plan from, rigid or flexible: {why}")
     return replace(base, reason=reason)
 
 
-def _motion(spec: RunSpec, packages: dict[str, ModalPackage]) -> tuple[Base | None, str]:
+def _motion(
+    spec: RunSpec, packages: dict[str, ModalPackage], seconds: float
+) -> tuple[Base | None, str]:
     mechanism = with_solver(spec.mechanism, BASE_RTOL, stiffening=False, on_invalid="warn")
     prepared = prepare(mechanism, {**spec.packages, **packages})
-    solution = complete(prepared).solution
+    solution = complete(prepared, seconds).solution
+    if solution.code == RUN_INTERRUPTED.name:
+        raise BudgetError(
+            f"fidelity.budget = {spec.fidelity.budget:g}: a plan needs the motion of rigid bodies, "
+            f"which stopped at t = {solution.t[-1]:.4g} s: {solution.message}. Expected a larger "
+            "budget, or a shorter run"
+        )
     if solution.status != "finished":
         return None, f"{solution.status} at t = {solution.t[-1]:.4g} s: {solution.message}"
     rates, multipliers = series.along_solution(prepared.model, solution.t, solution.y)

@@ -37,7 +37,7 @@ def newmark(
     ----------
     p : (k, m)
     masses, at : (s, m, m) and the s rows of t from which each holds; K, D : (m, m)
-    start : (m,) coordinates in which the motion starts, in equilibrium; None: zero
+    start : (2, m) coordinates in which the motion starts, in equilibrium, and rates; None: zero
     """
     k, m = p.shape
     z = np.zeros((k, 3 * m))
@@ -46,7 +46,7 @@ def newmark(
         values, V = np.linalg.eigh(0.5 * (masses[0] + masses[0].T))
         a[0] = np.linalg.solve((V * np.maximum(values, HELD * values[-1])) @ V.T, p[0])
     elif start is not None:
-        q[0] = start
+        q[0], v[0] = start
     # The step z = T z_before + L p changes with the mass and, rarely, with the length of the step.
     h = np.diff(t, prepend=t[:1])
     segment = np.searchsorted(at, np.arange(k), side="right") - 1
@@ -151,23 +151,23 @@ class Response:
         return self.base.t
 
 
-def response(base: Base, model: Model, p: Array, *, deformed: bool = False) -> Response:
-    """Return the response of a linear model with rich bodies, which starts from rest.
+def response(base: Base, model: Model, p: Array, start: str = "positions") -> Response:
+    """Return the response of a linear model with rich bodies.
 
     Parameters
     ----------
     base : the base motion
     model : with the modes that respond
     p : (k, n_vel) loads at all output times (`modal_loads`)
-    deformed : it starts in the quasi-static shape, else undeformed
+    start : `solver.start` of the case: undeformed and at rest, or as the loads call for
     """
     e, t, at = np.concatenate(elastic_columns(model)).astype(np.int64), base.t, samples(base)
-    m, first = len(e), 0
+    m, count = len(e), 0
     (K, D), matrices = np.zeros((2, m, m)), (model.K_qq, model.D_qq)
     for i in range(model.n_body):
-        part = slice(first, first + int(model.n_mode[i]))
+        part = slice(count, count + int(model.n_mode[i]))
         K[part, part], D[part, part] = (modal_matrix(model, each, i) for each in matrices)
-        first = part.stop
+        count = part.stop
     y, accelerations = embedded(base, model)
     p = p[:, e]
     eta = np.asarray(np.linalg.solve(K, p.T).T)
@@ -184,7 +184,10 @@ def response(base: Base, model: Model, p: Array, *, deformed: bool = False) -> R
     motions = np.zeros((len(at), model.n_vel + c, m))
     motions[:, r], motions[:, model.n_vel :] = follow[:, :n], follow[:, n:]
     motions[:, e] = np.eye(m)
-    history = newmark(t, p, masses, at, K, D, eta[0] if deformed else None)
+    first = None if start == "positions" else np.array([eta[0], np.zeros(m)])
+    if first is not None and start == "quasi-static" and len(t) > 2:
+        first[1] = np.gradient(eta[:3], t[:3], axis=0, edge_order=2)[0]
+    history = newmark(t, p, masses, at, K, D, first)
     return Response(base, model, y, accelerations, e, K, eta, history, at, motions)
 
 
