@@ -92,7 +92,7 @@ BAD = {
     "name": ("", '{ kind = "chord", at = ["root", "tipp"] }', r"at = \"tipp\": .*mean 'tip'"),
     "same": ("", '{ kind = "chord", at = ["root", "foot"] }', "expected two different places"),
     "clamped": ("", '{ at = "rot" }', r"bodies\.bar\.reference\.at = \"rot\": .*mean 'root'"),
-    "attachment": ('{ kind = "attachment", at = "mdi" }', "{}", r"modes\[0\]\.at = \"mdi\".*'mid'"),
+    "attachment": ('{ kind = "attachment", at = "mdi" }', "{}", r"modes\.0\.at = \"mdi\".*'mid'"),
     "direction": (
         '{ kind = "attachment", at = "mid", directions = ["yy"] }',
         "{}",
@@ -102,7 +102,7 @@ BAD = {
     "spinning": (
         '{ kind = "spinning-xz", count = 4 }',
         '{ kind = "mean-axis" }',
-        r'modes\[0\]\.kind = "spinning-xz": expected reference\.kind "clamped" or "chord"',
+        r'modes\.0\.kind = "spinning-xz": expected reference\.kind "clamped" or "chord"',
     ),
     "how many": ('{ kind = "spinning-xz", count = 9 }', "{}", r"modes\.0\.count = 9: .*8"),
     "count": ('{ kind = "static-axial", count = 2 }', "{}", r"modes\.0\.count: unknown key"),

@@ -273,7 +273,7 @@ def check_bodies(mechanism: Mechanism, specs: BodySpecs) -> tuple[dict[str, Body
 def _names(key: str, body: BeamBody, mechanism: Mechanism) -> list[str]:
     errors = []
     places = [(key, body.section, body.material)]
-    places += [(f"{key}.stations[{i}]", s.section, s.material) for i, s in enumerate(body.stations)]
+    places += [(f"{key}.stations.{i}", s.section, s.material) for i, s in enumerate(body.stations)]
     if body.section is None and all(s.at > 0.0 or s.section is not None for s in body.stations):
         errors.append(f"{key}.section: missing; expected the name of a section, or a `table`")
     for where, section, material in places:

@@ -440,7 +440,7 @@ def force_terms(
     given = tuple(k.name for k in kind.keys if isinstance(k, Curve) and values[k.name] is not None)
     scope = CaseScope(mechanism, names, {k: _reader((name, k)) for k in given})
     inputs = tuple(
-        expression(text, public, f"{key}.{k.name}[{i}]")
+        expression(text, public, f"{key}.{k.name}.{i}")
         for k in kind.keys
         if isinstance(k, Expressions)
         for i, text in enumerate(values[k.name])

@@ -128,13 +128,11 @@ class SectionEntry(Measure):
 
     def reduce(self, raw: Array, t: Array) -> tuple[Array, Array]:
         """d(K^-1)_ij = -K^-1 dK K^-1. Rounding of an entry is zero; its derivative may not be."""
-        name = str(self.quantity.entry)
+        name, matrix, weights = str(self.quantity.entry), raw, np.zeros((6, 6))
         i, j = int(name[1]) - 1, int(name[2]) - 1
-        if name[0] == "K":
-            matrix, weights = raw, np.zeros((6, 6))
-            weights[i, j] = 1.0
-        else:
-            matrix = np.linalg.inv(raw)
+        weights[i, j] = 1.0
+        if name[0] == "S":
+            matrix = np.asarray(np.linalg.inv(raw))
             weights = -np.outer(matrix[i], matrix[:, j])
         couples = abs(matrix[i, j]) > NO_COUPLING * np.sqrt(matrix[i, i] * matrix[j, j])
         return couples * matrix[[i], [j]], weights[None]
