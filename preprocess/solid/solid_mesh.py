@@ -261,7 +261,7 @@ def _made(
         check_step(Path(file))
     for smallest in SMALLEST:
         mesh = _apart(file, size, unit, dict(parameters), smallest)
-        plain = mesh.plain
+        plain = _right_handed(mesh.plain)
         wrong = _turned(plain)
         if not len(wrong) or not mesh.exact:
             break
@@ -319,6 +319,15 @@ def _turned(plain: PlainMesh) -> IntArray:
         J = np.einsum("ak,ckx->cax", derivatives(plain.cell, place), x)
         least = np.minimum(least, np.linalg.det(J))
     return np.flatnonzero(~(least > 0.0))
+
+
+def _right_handed(plain: PlainMesh) -> PlainMesh:
+    """The mesh in the order of gmsh if all its cells are numbered as mirror images of it."""
+    if len(_turned(plain)) < len(plain.cells):
+        return plain
+    nodes = reference_nodes(plain.cell).tolist()
+    order = [nodes.index([y, x, z]) for x, y, z in nodes]
+    return replace(plain, cells=plain.cells[:, order])
 
 
 def _straightened(plain: PlainMesh, wrong: IntArray) -> PlainMesh:
