@@ -111,10 +111,15 @@ def error_bars(
 
 
 def largest_difference(one: Signal, other: Signal) -> float:
-    """Return the largest difference of two signals of equal times; NaN if one is not finite."""
+    """Return the largest difference of two signals of equal times; NaN if only one is NaN.
+
+    Where both are infinite, as strength ratios without stress, or NaN, they do not differ.
+    """
     largest = 0.0
     for first, end in spans(len(one.values), 1):
-        gap = np.abs(np.asarray(one.values[first:end]) - np.asarray(other.values[first:end]))
+        a, b = np.asarray(one.values[first:end]), np.asarray(other.values[first:end])
+        differ = (a != b) & ~(np.isnan(a) & np.isnan(b))
+        gap = np.abs(np.subtract(a, b, where=differ, out=np.zeros(a.size)))
         largest = float(np.maximum(largest, gap.max(initial=0.0)))  # keeps NaN
     return largest
 

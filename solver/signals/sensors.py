@@ -179,7 +179,11 @@ def combined(
 
 
 def _minus(one: Values, two: Values) -> Values:
-    return lambda recording: one(recording) - two(recording)
+    def minus(recording: Recording) -> Array:
+        with np.errstate(invalid="ignore"):  # strength ratios without stress are infinite
+            return np.asarray(one(recording) - two(recording))
+
+    return minus
 
 
 def _norm(terms: list[Values]) -> Values:

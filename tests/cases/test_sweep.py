@@ -33,6 +33,14 @@ histories = ["tip_x", "hand_mid"]
 "joints.shoulder.drive.speed" = [10.0, 20.0]
 [runs.single]
 variants = ["brief", "lighter"]
+[runs.other]
+variants = ["brief", "lighter", "still"]
+[variants.still.bodies.hand]
+rigid = true
+[signals.gap]
+kind = "difference"
+of = "tip_x"
+run = "other"
 [variants.lighter]
 masses.M2.mass = 1.5
 joints.shoulder.drive.speed = 10.0
@@ -59,7 +67,8 @@ def pendulum(repository, folder):
 
 
 def test_a_member_is_the_single_run_of_its_values(repository, tmp_path):
-    """Bodies of packages, a drive, point masses: all signals, whole history and error bars."""
+    """Bodies of packages, a drive, point masses: all signals, those of other runs too, whole
+    history and error bars."""
     folder = pendulum(repository, tmp_path)
     assert sweep(folder / "s.json") == 0
     found = result(folder / "s.json")
@@ -251,6 +260,16 @@ def test_a_damaged_file_is_computed_again(tmp_path, capsys):
     assert sweep(file) == 0
     assert "computed again" in capsys.readouterr().err
     assert result(file).rows[0].status == "finished"
+
+
+def test_error_bars_need_no_run_of_signals_that_are_not_kept(repository, tmp_path):
+    file = pendulum(repository, tmp_path) / "s.json"
+    table = json.loads(file.read_text())
+    table |= {"signals": ["tip_x"], "histories": [], "other_runs": {}}
+    table["members"] = [table["members"][0] | {"other_runs": {}}]
+    file.write_text(json.dumps(table))
+    assert sweep(file) == 0
+    assert result(file).signal("tip_x", "error_bar")[0] > 0.0
 
 
 @pytest.mark.provokes("package")

@@ -16,8 +16,9 @@ from plymotion.solver.inputs.case.tables.schema import Mechanism
 from plymotion.solver.report.sections import signals_section
 from plymotion.solver.report.story import Story
 from plymotion.solver.report.table import summary_table
+from plymotion.solver.results import Signal
 from plymotion.solver.results.file import read_result
-from plymotion.solver.run.error_bars import not_contained, with_error_bars
+from plymotion.solver.run.error_bars import largest_difference, not_contained, with_error_bars
 from plymotion.solver.run.execution import execute, run_file
 from plymotion.solver.run.inputs import RunSpec
 from plymotion.solver.studies.runs import error_bars_line
@@ -105,6 +106,14 @@ def test_bodies_without_second_order_data_are_said_to_lack_stiffening() -> None:
     assert not any("geometric stiffening" in line for line in not_contained(spec))
     linear = {name: replace(p, second_order=None) for name, p in spec.packages.items()}
     assert "geometric stiffening of link0" in not_contained(replace(spec, packages=linear))
+
+
+def test_signals_that_are_both_infinite_or_not_a_number_do_not_differ() -> None:
+    one, other = np.array([np.inf, np.nan, 3.0]), np.array([np.inf, np.nan, 3.5])
+    as_signal = partial(Signal, "reserve", "-", "")
+    assert largest_difference(as_signal(one), as_signal(other)) == 0.5
+    other[1] = 1.0
+    assert np.isnan(largest_difference(as_signal(one), as_signal(other)))
 
 
 def test_reactions_at_a_sudden_start_have_no_bar() -> None:

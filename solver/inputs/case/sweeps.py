@@ -345,7 +345,7 @@ def check_sweep(
     maker = _Maker(sweep, parameters, points, specs)
     own = maker.members(base, texts, problems)
     others = dict[str, Members]()
-    kept = with_parts({*sweep.signals, *sweep.histories} or set(base.signals), base.signals)
+    kept = with_parts({*(sweep.signals or base.signals), *sweep.histories}, base.signals)
     for run in needed(kept):
         try:
             other, texts = mechanism_of(merged_of(run), specs.folder, specs.units)

@@ -74,7 +74,7 @@ def _computed(sweep: SweepSpec, packages: Packages, number: int, row: Row) -> Ro
         for run, variant in member.other_runs.items()
     }
     read = with_parts(kept, mechanism.signals)
-    own = RunSpec(sweep.case, sweep.run, mechanism, packages.named(member.packages))
+    own = RunSpec(sweep.case, sweep.run, mechanism, packages.named(member.packages), others)
     if sweep.fidelity is not None:
         own = _planned(own, sweep, packages.named(sweep.fidelity.base))
     histories = histories_of(read, others, own.mechanism.solver)
@@ -146,7 +146,9 @@ def _row_of(
     counters = vars(solution.counters)
     if spec.mechanism.solver.error_bars and solution.status == FINISHED:
         again, steps = partial(execute, progress=False), int(counters["steps"])
-        bars, _ = error_bars(spec, t, [*series.values()], steps, judgement.codes, again)
+        read = with_parts(names, spec.mechanism.signals)  # others may need runs that are not there
+        asked = spec.changed({"signals": {name: one.model_dump() for name, one in read.items()}})
+        bars, _ = error_bars(asked, t, [*series.values()], steps, judgement.codes, again)
         for name in sweep.signals:
             signals[name][ERROR_BAR] = np.nan if bars[name] is None else bars[name]
     return replace(
