@@ -172,17 +172,17 @@ def changed(
     of_stiffness : cells and rates of C at their points (s, 1 or q, 6, 6) [Pa], by parameter
     """
     at, T, K, shape = state.at, state.T, state.K, (len(state.Z), len(of_stiffness), 6)
-    stress = np.zeros((*state.strain.shape[:3], *shape[1:]))
+    P, load, S = np.empty(shape), np.empty(shape), np.empty((len(of_stiffness), 6, 6))
     for i, (cells, rate) in enumerate(of_stiffness):
-        stress[cells, :, :, i] = rate @ state.strain[cells]
-    stress = stress.reshape(*state.strain.shape[:3], -1)
-    P = at.load_along_beam(stress).reshape(shape)
-    load = at.load_in_section(stress).reshape(shape) - P @ T
+        strain = state.strain[cells]
+        stress = rate @ strain
+        P[:, i] = at.load_along_beam(stress, cells)
+        load[:, i] = at.load_in_section(stress, cells) - P[:, i] @ T
+        S[i] = at.work(stress, strain, cells)
     W, S_e = solver.solve(-load, -(state.Z.T @ flat(P)).reshape(6, *shape[1:]), ENOUGH)
     Q = W @ T + (state.Z @ flat(S_e)).reshape(shape)
     # the stresses are in equilibrium: their work on new strains is that of P
     N = np.swapaxes((state.P.T @ flat(W)).reshape(S_e.shape), 0, 1)
-    S = at.work(stress, state.strain).reshape(-1, 6, 6)
     S = S + 2.0 * (T.T @ N + N @ T + np.swapaxes(S_e, 0, 1))
     dK = -K @ (0.5 * (S + np.swapaxes(S, 1, 2))) @ K
     return Changes(0.5 * (dK + np.swapaxes(dK, 1, 2)), W, Q)

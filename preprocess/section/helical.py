@@ -20,7 +20,7 @@ from .. import fenicsx
 from .section_specification import IllConditioned, SectionError
 from .space.numbering import Restriction
 from .space.section_cells import within
-from .space.space import AT_A_TIME, SectionSpace
+from .space.space import ALL, AT_A_TIME, SectionSpace
 from .space.strains import coefficients, twisted_strain_in_section, volume
 from .warping import check_origin, motions_of_beam, pinned_dofs
 
@@ -72,18 +72,19 @@ class TwistedStrains:
         """G_l W / g at the points, (c, q, 6, m): the strain of a change W per x1."""
         return self.space.strain_along_beam(W) / self.g[..., None, None]
 
-    def load_in_section(self, stress: Array) -> Array:
+    def load_in_section(self, stress: Array, cells: Any = ALL) -> Array:
         """Integral of (G_k w)' stress g for each unknown of w, (n_dof, m), stress (c, q, 6, m)."""
-        partner = np.swapaxes(self.S, 2, 3) @ (stress * self.g[..., None, None])
-        return self.space.load(partner[:, :, :3]) + self.space.load_of_slopes(partner[:, :, 3:])
+        partner = np.swapaxes(self.S[cells], 2, 3) @ (stress * self.g[cells][..., None, None])
+        load = self.space.load(partner[:, :, :3], cells)
+        return load + self.space.load_of_slopes(partner[:, :, 3:], cells)
 
-    def load_along_beam(self, stress: Array) -> Array:
+    def load_along_beam(self, stress: Array, cells: Any = ALL) -> Array:
         """Integral of (G_l w)' stress for each unknown of w, (n_dof, m), stress (c, q, 6, m)."""
-        return self.space.load_along_beam(stress)
+        return self.space.load_along_beam(stress, cells)
 
-    def work(self, stress: Array, strain: Array) -> Array:
-        """Integral of stress' strain g over the section, (m, n)."""
-        return self.space.work(self.g[..., None, None] * stress, strain)
+    def work(self, stress: Array, strain: Array, cells: Any = ALL) -> Array:
+        """Integral of stress' strain g over cells, (m, n)."""
+        return self.space.work(self.g[cells][..., None, None] * stress, strain, cells)
 
     def E(self, C: Array) -> sp.csr_matrix:
         """Integral of G_k' C G_k g [Pa], for C (c, 1 or q, 6, 6) [Pa]."""

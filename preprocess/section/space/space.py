@@ -15,6 +15,7 @@ from .section_cells import KINDS, CellMesh, IntArray, full_basis, within
 from .strains import fixed, strain_along_beam, strain_in_section
 from .unknowns import Unknowns, hanging_unknowns
 
+ALL = slice(None)
 AT_A_TIME = 64  # cells per block, so that intermediate arrays stay in the cache
 
 
@@ -112,13 +113,13 @@ class SectionSpace:
             self._express(hanging_unknowns(P))
 
     def _finish(self) -> None:
-        own = self.dofs[self.own]
         self.n_unknown = len(self.x2) if self.unknowns is None else self.unknowns.P.shape[1]
-        # (n_unknown, c k): sums the contributions of the cells to each unknown
-        self._to_nodes = sp.csr_matrix(
-            (np.ones(own.size), (own.ravel(), np.arange(own.size))),
-            shape=(self.n_unknown, own.size),
-        )
+        self._to_nodes = self._summing(self.dofs[self.own])
+
+    def _summing(self, dofs: IntArray) -> sp.csr_matrix:
+        """Matrix (n_unknown, c k) that sums contributions of cells, of dofs (c, k)."""
+        places = dofs.ravel(), np.arange(dofs.size)
+        return sp.csr_matrix((np.ones(dofs.size), places), shape=(self.n_unknown, dofs.size))
 
     def _express(self, unknowns: Unknowns) -> None:
         """Change to unknowns that give the present ones."""
@@ -274,26 +275,30 @@ class SectionSpace:
         slope = self.gradients.reshape(c, 2 * q, -1) @ self._of_cells(W)
         return slope.reshape(c, q, 6, -1)
 
-    def load_of_slopes(self, partner: Array) -> Array:
+    # Loads of some `cells` are those of stresses that are zero in all others.
+
+    def load_of_slopes(self, partner: Array, cells: Any = ALL) -> Array:
         """Integral of partner . slopes of w for each unknown of w, (n_dof, m)."""
-        c, q, m = *self._areas.shape, partner.shape[-1]
-        return self._sum(self.weighted_gradients @ partner.reshape(c, 2 * q, 3 * m))
+        weighted = self.weighted_gradients[cells]
+        return self._sum(weighted @ partner.reshape(len(weighted), weighted.shape[2], -1), cells)
 
-    def load_in_section(self, stress: Array) -> Array:
+    def load_in_section(self, stress: Array, cells: Any = ALL) -> Array:
         """Integral of (G_h w)' stress for each unknown of w, (n_dof, m), stress (c, q, 6, m)."""
-        return self.load_of_slopes(self.S_h.T @ stress)
+        return self.load_of_slopes(self.S_h.T @ stress, cells)
 
-    def load_along_beam(self, stress: Array) -> Array:
+    def load_along_beam(self, stress: Array, cells: Any = ALL) -> Array:
         """Integral of (G_l w)' stress for each unknown of w, (n_dof, m), stress (c, q, 6, m)."""
-        return self.load(self.S_l.T @ stress)
+        return self.load(self.S_l.T @ stress, cells)
 
-    def load(self, traction: Array) -> Array:
+    def load(self, traction: Array, cells: Any = ALL) -> Array:
         """Integral of w . traction for each unknown of w, (n_dof, m), traction (c, q, 3, m)."""
-        weighted = self._areas[..., None, None] * traction
-        values = np.swapaxes(self.values, -1, -2)
-        return self._sum(values @ weighted.reshape(*self._areas.shape, -1))
+        areas = self._areas[cells]
+        weighted = areas[..., None, None] * traction
+        values = self.values if self.values.ndim == 2 else self.values[cells]
+        of_cells = np.swapaxes(values, -1, -2) @ weighted.reshape(*areas.shape, -1)
+        return self._sum(of_cells, cells)
 
-    def work(self, stress: Array, strain: Array, cells: Any = slice(None)) -> Array:
+    def work(self, stress: Array, strain: Array, cells: Any = ALL) -> Array:
         """Integral of stress' strain over cells, (m, n).
 
         Parameters
@@ -311,10 +316,10 @@ class SectionSpace:
         """Unknowns cell by cell, (c, k, 3 m)."""
         return W.reshape(self.n_unknown, -1)[self.dofs[self.own]]
 
-    def _sum(self, of_cells: Array) -> Array:
+    def _sum(self, of_cells: Array, cells: Any = ALL) -> Array:
         """Loads (n_dof, m) from the contributions of the cells (c, k, 3 m)."""
-        columns = of_cells.shape[-1]
-        total = self._to_nodes @ of_cells.reshape(-1, columns)
+        to_nodes = self._to_nodes if cells is ALL else self._summing(self.dofs[self.own][cells])
+        total = to_nodes @ of_cells.reshape(-1, of_cells.shape[-1])
         return self.team.total(total).reshape(self.n_dof, -1)
 
     def at_corners_and_middles(self, W: Array) -> list[Array]:
