@@ -151,6 +151,7 @@ class BeamSections:
     ) -> None:
         without = spec.get("design_without", ())
         strains = {"stresses", "second_order"} - {*without}
+        self._left_out = ("recovery/A_BM",) if "ply_axes" in without else ()
         self._places, self._files = [], []
         self._rates = list[dict[str, dict[str, Array]]]()  # of each section, by parameter and path
         self._lines = list[dict[str, LineSection]]()  # those of what the beam is made of
@@ -237,7 +238,7 @@ class BeamSections:
             for own, rates in zip(given, self._rates, strict=True)
             if one.recovery is not None and one.recovery is own.recovery
             for path, rate in rates.get(name, {}).items()
-            if path.startswith(("plies/", "recovery/"))
+            if path.startswith(("plies/", "recovery/")) and path not in self._left_out
         }
 
     def data(

@@ -44,8 +44,9 @@ fractions of it are then along the line, `elements` counts those of the line, an
 
 A beam or shell with `"design": {"a": [{"of": "section.regions.wall.plies.0.angle_deg"}]}` has
 the derivatives by the parameter a in its package; the specification has the values at which they
-are taken. `"design_without": ["stresses", "second_order"]` of a beam leaves out those of the
-stresses in its sections, most of the file, or of the terms of second order.
+are taken. `"design_without": ["stresses", "second_order", "ply_axes"]` of a beam leaves out those
+of the stresses in its sections, most of the file, of the terms of second order, or of the axes of
+plies, in which stresses are given.
 
 A shell's or solid's body axes are those of its mesh. `inputs_sha256` and `case` may be added; they
 go to the provenance of the package. `"candidates": true` of a beam or shell: a plan of
@@ -295,7 +296,7 @@ class BeamSpecification(_Provenance):
     candidates: NotRequired[bool]
     errors: NotRequired[bool]
     design: NotRequired[dict[str, list[DesignTarget]]]
-    design_without: NotRequired[list[Literal["stresses", "second_order"]]]
+    design_without: NotRequired[list[Literal["stresses", "second_order", "ply_axes"]]]
 
 
 class ShellSpecification(_Provenance):

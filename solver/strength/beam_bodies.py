@@ -64,10 +64,10 @@ def material_searches(
     points : rows of the recovery's points; absent: all
     criteria : names of those to be used; none given: all
     """
-    material = np.array([ply.material for ply in recovery.plies])[recovery.ply]
-    chosen = np.arange(len(material)) if points is None else points
+    material = np.array([ply.material for ply in recovery.plies])
+    chosen = np.arange(len(recovery.ply)) if points is None else points
     for name, strength in strengths(recovery).items():
-        own = chosen[material[chosen] == name]
+        own = chosen[(material == name)[recovery.ply[chosen]]]
         if not own.size:
             continue
         stress_M = unit_stress_M(recovery, own)

@@ -139,15 +139,16 @@ class Trials:
             if why:
                 raise InputError(why)
         assert self._last is not None
-        _, made, raws = self._last
-        weights = [m.reduce(raw, made.t)[1] for m, raw in zip(self.measures, raws, strict=True)]
+        made, weights = self._last[1], self._weights()
         if self.exact and p.size > MANY and not self._refused:
             parameters = self._beside[self.study.table.run]
             by_adjoint_method = adjoint_slopes(self._traces, parameters, self.measures, made)
             if by_adjoint_method is not None:
                 return [
                     (each @ self._shares + _contracted(w, own)).tolist()
-                    for each, w, own in zip(by_adjoint_method, weights, self._direct(), strict=True)
+                    for each, w, own in zip(
+                        by_adjoint_method, weights, self._direct(self._held()), strict=True
+                    )
                 ]
         columns = zip(*self._columns(p), strict=True)
         return [
@@ -222,37 +223,52 @@ class Trials:
         """Return derivatives of the arrays of all measures, by parameter."""
         if self._refused:
             raise InputError(self._refused)
+        held = self._held()
         motions = {
-            n: one.followed(self._beside[n], self._held(n)) for n, one in self._traces.items()
+            run: traced.followed(self._beside[run], held[run])
+            for run, traced in self._traces.items()
         }
         along = self._rates(self._beside, motions, self.measures)
         columns = [
             np.tensordot(self._shares.T, rates, 1) + own
-            for rates, own in zip(along, self._direct(), strict=True)
+            for rates, own in zip(along, self._direct(held), strict=True)
         ]
         return [list(column) for column in zip(*columns, strict=True)]
 
-    def _direct(self) -> list[Array]:
+    def _direct(self, held: Mapping[str, dict[str, object]]) -> list[Array]:
         """Return the derivatives (p, ...) of the arrays by stresses of the same motion."""
         assert self._last is not None
         direct = [np.zeros((self._shares.shape[1], *raw.shape)) for raw in self._last[2]]
         if self._moving:
             still = {
-                n: one.still(self._stresses[n], self._held(n)) for n, one in self._traces.items()
+                run: traced.still(self._stresses[run], held[run])
+                for run, traced in self._traces.items()
             }
             rates = self._rates(self._stresses, still, self._stressed)
             for each, own in zip(direct, rates, strict=True):
                 each[self._moving] = own
         return direct
 
-    def _held(self, run: str) -> dict[str, object]:
-        """Return the points of plies that govern in a run of the last design, where it is known."""
+    def _held(self) -> dict[str, dict[str, object]]:
+        """Return by run the points of plies that govern in the last design, where that is known.
+
+        Beside the design they are the same.
+        """
         assert self._last is not None
-        recording = self._last[1].recording
-        if recording is None or run != self.study.table.run:
-            return {}
-        held: dict[str, object] = recording.memory[HELD]
+        made = self._last[1]
+        held: dict[str, dict[str, object]] = {run: {} for run in self._traces}
+        if made.recording is not None:
+            memory = {HELD: held[self.study.table.run]}
+            recording = Recording(made.recording.model, made.t, made.recording.y, memory)
+            for m, w in zip(self.measures, self._weights(), strict=True):
+                m.raw(replace(made, recording=recording), w)
         return held
+
+    def _weights(self) -> list[Array]:
+        """Return the derivatives (r, ...) of the values of the last design by its arrays."""
+        assert self._last is not None
+        _, made, raws = self._last
+        return [m.reduce(raw, made.t)[1] for m, raw in zip(self.measures, raws, strict=True)]
 
     def _rates(
         self,
@@ -265,9 +281,7 @@ class Trials:
         They are zero of other measures, and where the values of the design do not depend on them.
         """
         assert self._last is not None
-        _, made, raws = self._last
-        run = self.study.table.run
-        weights = [m.reduce(raw, made.t)[1] for m, raw in zip(self.measures, raws, strict=True)]
+        run, raws, weights = self.study.table.run, self._last[2], self._weights()
         rates = [np.zeros((len(parameters[run]), *raw.shape)) for raw in raws]
         for k, parameter in enumerate(parameters[run]):
             low, high = made_beside(run, self._traces, motions, k, parameter)
@@ -399,8 +413,8 @@ class Trials:
 
         self._stressed = [m for m in self.measures if stressed(m.quantity)]
         second_order = any(each.base.solver.geometric_stiffening for each in runs.values())
-        needless = {"stresses": not self._stressed, "second_order": not second_order}
-        return [name for name, is_so in needless.items() if is_so]
+        without = ["ply_axes"] if self._stressed else ["ply_axes", "stresses"]
+        return without if second_order else [*without, "second_order"]
 
     def _made(self, points: Sequence[Array]) -> list[Made | str]:
         """Return designs that were built and run; of an invalid one, why."""
@@ -552,8 +566,7 @@ class Trials:
         wrong = [f.text for f in checked(finished) if f.level == "error"]
         if wrong:
             return few(wrong[:1])
-        memory: dict[Any, Any] = {} if traces is None else {HELD: {}}
-        recording = Recording(finished.model, finished.solution.t, finished.solution.y, memory)
+        recording = Recording(finished.model, finished.solution.t, finished.solution.y)
         return Made(spec, finished, prepared.measured, recording)
 
 
