@@ -83,7 +83,13 @@ class TwistedStrains:
         return self.space.load_along_beam(stress, cells)
 
     def work(self, stress: Array, strain: Array, cells: Any = ALL) -> Array:
-        """Integral of stress' strain g over cells, (m, n)."""
+        """Integral of stress' strain g over cells, (m, n).
+
+        Parameters
+        ----------
+        stress, strain : (c, q, 6, m) and (c, q, 6, n) at their points
+        cells : of the own cells, all by default
+        """
         return self.space.work(self.g[cells][..., None, None] * stress, strain, cells)
 
     def E(self, C: Array) -> sp.csr_matrix:
