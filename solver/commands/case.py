@@ -23,7 +23,7 @@ from ..studies.cases import (
     request_of,
 )
 from ..studies.exit_codes import INCOMPLETE, INPUT, worst
-from ..system.interrupts import INTERRUPTED
+from ..system.interrupts import INTERRUPTED, stop_requested
 from ..system.platform import cores
 from .arguments import wanted_formats
 
@@ -171,6 +171,8 @@ def _integrated(
     code = integrated(files, options, jobs, update=not options.force)
     if code == INTERRUPTED or options.no_report:
         return code, str(out)
+    if stop_requested():  # while the last run was written
+        raise KeyboardInterrupt
     finished = [name for name in runs if (out / name / "summary.json").is_file()]
     if not finished:
         return code or INPUT, str(out)

@@ -130,6 +130,14 @@ def test_a_signal_while_results_are_written_does_not_lose_them(tmp_path):
     assert not (build / "two").exists()
 
 
+def test_a_signal_while_the_last_run_is_written_leaves_out_the_report(tmp_path):
+    build = _files(tmp_path, SOLVER.format(t_end=0.1, step=0.1, more=""))
+    words = [tmp_path / "case.toml", "--out", build, "--slow-disk"]
+    _, errors = _ended(_started(*words), signal.SIGTERM, ("writing",))
+    assert errors.endswith(f"complete files are kept, the last is {build}/base/summary.json\n")
+    assert not (build / "report.html").exists()
+
+
 def _compute(seconds):
     end = time.process_time() + seconds
     while time.process_time() < end:
