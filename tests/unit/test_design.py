@@ -304,6 +304,22 @@ def test_a_start_beyond_its_limits_goes_back_to_them() -> None:
     assert start.best.merit < 230.0
 
 
+@pytest.mark.parametrize(
+    ("segments", "asked", "words"),
+    [
+        (1, {"strength": "mechanism"}, "no such body; known: arm"),
+        (2, {"strength": "arm"}, 'one segment, or a signal of kind "exposure"'),
+        (2, {"frequency": "arm"}, 'one segment, or "mechanism"'),
+    ],
+)
+def test_words_on_a_body_name_what_the_quantity_can_have(segments, asked, words) -> None:
+    own = {"run": "base", "minimise": {"mass": "arm"}, "subject_to": [{**asked, "min": 1.0}]}
+    table = tube(6, parameters=angles(6), studies={"s": own})
+    table["bodies"]["arm"]["segments"] = segments
+    with pytest.raises(InputError, match=words):
+        checked_case(table, Path("tube.toml"))
+
+
 def test_an_entry_that_symmetry_makes_zero_is_zero() -> None:
     """An optimiser would follow its rounding from design to design."""
     K = np.diag([1e7, 1e6, 1e6, 1e2, 1e3, 1e3])

@@ -297,7 +297,8 @@ def unknown_subject(key: str, quantity: Quantity, base: Mechanism) -> list[str]:
         return []
     at = f"{key}.{quantity.subject}"
     if name not in base.bodies:
-        return [f"{at} = {name!r}: no such body{nearest(name, [*base.bodies, MECHANISM])}"]
+        known = [*base.bodies, *([MECHANISM] if whole else [])]
+        return [f"{at} = {name!r}: no such body{nearest(name, known)}"]
     body = base.bodies[name]
     if quantity.subject != "mass" and (isinstance(body, RigidBody) or body.rigid):
         return [f"{at} = {name!r}: the body is rigid in this run"]
@@ -305,7 +306,8 @@ def unknown_subject(key: str, quantity: Quantity, base: Mechanism) -> list[str]:
         return [f"{at} = {name!r}: expected a beam"]
     divided = isinstance(body, BeamBody) and body.segments > 1
     if divided and quantity.subject not in ("mass", "section"):
-        return [f'{at} = {name!r}: expected a body in one segment, or "{MECHANISM}"']
+        other = f'"{MECHANISM}"' if whole else 'a signal of kind "exposure"'
+        return [f"{at} = {name!r}: expected a body in one segment, or {other}"]
     least = quantity.least if isinstance(quantity, Limit) else None
     if quantity.subject == "strength" and least is not None and least <= 0.0:
         return [f"{at}: min = {least:g}: expected a ratio above 0"]
