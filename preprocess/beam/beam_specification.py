@@ -93,7 +93,7 @@ def read_modes(tables: list[Any], places: dict[str, float]) -> ModeSpec:
     for i, table in enumerate(tables):
         kind = table["kind"]
         if kind == "attachment":
-            _known(table["at"], places, f"modes.{i}.at")
+            _known(table["at"], places, f"modes[{i}].at")
             attachments += [
                 (table["at"], direction) for direction in table.get("directions", DIRECTIONS)
             ]

@@ -247,7 +247,7 @@ def _loads(table: Reduction, every: list[Link], parts: Constrained) -> list[Stat
             continue
         if request["at"] not in by_name:
             hint = nearest(request["at"], by_name)
-            raise ModeError(f'modes.{i}.at = "{request["at"]}": no such interface{hint}')
+            raise ModeError(f'modes[{i}].at = "{request["at"]}": no such interface{hint}')
         for direction in request.get("directions", DIRECTIONS):
             row = by_name[request["at"]].motion[DIRECTIONS.index(direction)]
             force = np.asarray((row @ parts.T).todense()).ravel()

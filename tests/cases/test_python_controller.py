@@ -97,7 +97,7 @@ def test_functions_that_fail(tmp_path, old, new, words):
         ('"law.py"', '"lay.py"', "cannot be read"),
         ('function = "control"', 'source = "x"', "expected `file` and `function` only"),
         ("sample_time = 0.01", "", "forces.c.sample_time: missing"),
-        ('"x", ', '"y", ', 'forces.c.inputs[0] = "y": there is no name `y`'),
+        ('"x", ', '"y", ', 'forces.c.inputs.0 = "y": there is no name `y`'),
     ],
 )
 def test_bad_input(tmp_path, old, new, words):

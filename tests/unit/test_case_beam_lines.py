@@ -57,7 +57,7 @@ def checked(**keys: Any) -> tuple[Any, list[str]]:
         ({"twist_deg": [[1.0, 3.0], [0.5, 2.0]]}, r"twist_deg: expected rising .* found \[1.0"),
         (
             {"stations": [{"at": 1.0, "section": "slom"}]},
-            r'bodies.bar.stations\[0\].section = "slom": no such section; did you mean .slim',
+            r'bodies.bar.stations\.0.section = "slom": no such section; did you mean .slim',
         ),
         (
             {"stations": [{"at": 0.9, "section": "slim"}, {"at": 0.5, "section": "slim"}]},

@@ -127,8 +127,8 @@ LINES = {
         ("rtol = ", "not valid TOML"),
     ],
     "geometric_stiffening": [
-        ("geometric_stiffening = 1", "geometric_stiffening = 1: value should be a valid boolean"),
-        ("geometric_stiffening = {}", "geometric_stiffening = {}: value should be a valid boolean"),
+        ("geometric_stiffening = 1", "geometric_stiffening = 1: expected true or false"),
+        ("geometric_stiffening = {}", "geometric_stiffening = {}: expected true or false"),
     ],
     "vibrations": [
         ('vibrations = "bending-xy 1"', 'bodies.link.vibrations = "bending-xy 1": expected a list'),
@@ -161,8 +161,8 @@ LINES = {
         ),
     ],
     "ringing": [
-        ('ringing = "true"', 'bodies.link.ringing = "true": value should be a valid boolean'),
-        ("ringing = 0", "bodies.link.ringing = 0: value should be a valid boolean"),
+        ('ringing = "true"', 'bodies.link.ringing = "true": expected true or false'),
+        ("ringing = 0", "bodies.link.ringing = 0: expected true or false"),
         ("", "bodies.link.ringing: missing; expected a value: the static shapes are"),
         ("rings = true", "bodies.link.rings: unknown key; did you mean 'ringing'?"),
     ],
