@@ -3,6 +3,7 @@
 python benchmarks/design.py build/benchmarks/design.json [PART ...]
 """
 
+import itertools
 import json
 import os
 import resource
@@ -179,8 +180,9 @@ def actuated_beam(folder: Path) -> dict[str, Any]:
 def ringing_beam(folder: Path) -> dict[str, Any]:
     """The price of a gradient where steps are many: the beam without damping for a second."""
     found: dict[str, Any] = {}
-    for count in (PLIES, 4 * PLIES):
-        table = beam(rtol=1e-6, plies=count // 2)
+    strength = {"subject_to": [{"strength": "beam", "min": 0.01}]}
+    for count, limits in itertools.product((PLIES, 4 * PLIES), ({}, strength)):
+        table = beam(rtol=1e-6, plies=count // 2, **limits)
         table["bodies"]["beam"].pop("damping_ratio")
         table["solver"] |= {"rtol": 1e-6, "t_end": 1.0}
         given = StudySpec(table, BEAM, False, "tip", folder)
@@ -198,7 +200,7 @@ def ringing_beam(folder: Path) -> dict[str, Any]:
                 seconds = {n: min(each, seconds.get(n, each)) for n, each in took.items()}
         whole = seconds["with_derivatives"] + seconds["slopes"]
         package = seconds["design"] - seconds["run"]
-        found[f"angles_{count}"] = {
+        found[f"angles_{count}{'_with_strength' * bool(limits)}"] = {
             **{f"{name}_cpu_s": each for name, each in seconds.items()},
             "steps": sum(len(steps) for steps in exact._traces["base"].trace.steps),
             "runs_besides_one_package": (whole - package) / seconds["run"],
