@@ -102,11 +102,9 @@ def with_parts(names: Collection[str], signals: Mapping[str, Item]) -> dict[str,
     return complete
 
 
-# Forces that have no moment about their places.
-PLAIN = ("force", "spring", "coordinate_force", "nonlinear_spring", "limit_stop", "controller")
-
-
-def loaded_places(name: str, mechanism: "Mechanism", *, turned: bool = False) -> list[str]:
+def loaded_places(
+    name: str, mechanism: "Mechanism", turning: Collection[str] | None = None
+) -> list[str]:
     """Return the interfaces of a body where joints, force elements or masses act, each once.
 
     A force along the coordinate of a joint acts at the places of the joint.
@@ -114,14 +112,14 @@ def loaded_places(name: str, mechanism: "Mechanism", *, turned: bool = False) ->
     Parameters
     ----------
     name : of the body
-    turned : those only where moments may act
+    mechanism : whose joints, forces and masses act on it
+    turning : kinds of force elements with a moment: those places only where moments may act
     """
     ends = [end for joint in mechanism.joints.values() for end in joint.between]
-    ends += [] if turned else [mass.at for mass in mechanism.masses.values()]
+    ends += [mass.at for mass in mechanism.masses.values()] if turning is None else []
     for force in mechanism.forces.values():
-        if turned and force.kind in PLAIN:
-            continue
-        ends += getattr(force, "between", None) or [getattr(force, "at", None) or ""]
+        if turning is None or force.kind in turning:
+            ends += getattr(force, "between", None) or [getattr(force, "at", None) or ""]
     places = [end.partition(".")[2] for end in ends if end.partition(".")[0] == name]
     return list(dict.fromkeys(places))
 

@@ -92,6 +92,7 @@ class ForceElement:
     order : place in the manual and in lists; those of equal order follow by name
     steep : what a user can change where Newton's iteration does not converge because of this kind
     coil : whether pictures show a coil between its places
+    turns : whether it has a moment about its places
     """
 
     kind: str
@@ -100,6 +101,7 @@ class ForceElement:
     order: int = 100
     steep: str = ""
     coil: bool = False
+    turns: bool = True
 
 
 class State(NamedTuple):

@@ -79,6 +79,7 @@ def _filter(values: Mapping[str, Any]) -> State:
 
 CONTROLLER = CoordinateForce(
     kind="controller",
+    turns=False,
     meaning="a PID controller",
     keys=(
         Expression("setpoint", "", "what the sensor is to follow", required=True),

@@ -4,6 +4,7 @@ from .contract import CoordinateForce, Expression, Terms
 
 COORDINATE_FORCE = CoordinateForce(
     kind="coordinate_force",
+    turns=False,
     meaning="a force along a coordinate, by an expression",
     keys=(
         Expression(

@@ -74,6 +74,7 @@ def _terms(values: Mapping[str, Any]) -> Terms:
 
 LIMIT_STOP = CoordinateForce(
     kind="limit_stop",
+    turns=False,
     meaning="a contact that keeps a coordinate between limits",
     remark="The law of Hunt and Crossley, k d^n (1 + b ddot) at the depth d. Without "
     "`impact_speed`, the instant of each impact is located, and b follows its speed. With it, b is "

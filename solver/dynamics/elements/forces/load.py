@@ -37,5 +37,5 @@ def torque(one: Array, two: Array, parameters: Array, size: float) -> Wrench:
     return Wrench((0.0, 0.0, 0.0), load, 0.0, dot3(load, spin(two)))
 
 
-FORCE = Load(kind="force", meaning="a force [N] from outside", wrench=force, order=1)
+FORCE = Load(kind="force", turns=False, meaning="a force [N] from outside", wrench=force, order=1)
 TORQUE = Load(kind="torque", meaning="a torque [N m] from outside", wrench=torque, order=2)

@@ -21,6 +21,7 @@ def _terms(values: Mapping[str, Any]) -> Terms:
 
 NONLINEAR_SPRING = CoordinateForce(
     kind="nonlinear_spring",
+    turns=False,
     meaning="a spring and damper with given curves",
     keys=(
         Curve(

@@ -4,6 +4,7 @@ from .contract import Code, CoordinateForce, Expressions, Number, State, Terms
 
 PYTHON_CONTROLLER = CoordinateForce(
     kind="python_controller",
+    turns=False,
     meaning="a controller written in Python",
     remark="A run calls it only with the option `--allow-python`, because it can do whatever "
     "Python can. Its output is held between the instants t = 0, `sample_time`, ...",

@@ -93,6 +93,7 @@ def with_length(values: Mapping[str, Any], shift: Array) -> Mapping[str, Any]:
 
 ELEMENT = Element(
     kind="spring",
+    turns=False,
     meaning="spring, damper and actuator between two places",
     keys=(
         Number("stiffness", "N/m", "k", default=0.0, least=0.0),

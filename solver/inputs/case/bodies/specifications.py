@@ -12,6 +12,7 @@ from typing import Any
 
 from pydantic import BaseModel
 
+from ....dynamics.elements.forces.table import FORCES
 from ....errors import InputError, nearest, under, unknown
 from ....math.disk_cache import file_sha256
 from ....package.body.invariants import MOST_MODES
@@ -208,6 +209,9 @@ def rich_bodies(name: str, mechanism: Mechanism) -> tuple[Any, Any]:
     return _rich(name, body, mechanism, 0), _rich(name, body, mechanism, 1)
 
 
+TURNING = frozenset(kind for kind, element in FORCES.items() if element.turns)
+
+
 def _rich(name: str, body: BeamBody | ShellBody, mechanism: Mechanism, which: int) -> Any:
     clamped = body.reference.places[0] if body.reference.kind == "clamped" else None
     loaded = loaded_places(name, mechanism)
@@ -217,7 +221,7 @@ def _rich(name: str, body: BeamBody | ShellBody, mechanism: Mechanism, which: in
     places = [place for place in body.interfaces if place in loaded and place != clamped]
     # All directions of each, unless second-order displacements of so many modes are left out.
     most = MOST_MODES - LOAD_SHAPES - sum(check for _, check in counts.values())
-    turned = places if 6 * len(places) <= most else loaded_places(name, mechanism, turned=True)
+    turned = places if 6 * len(places) <= most else loaded_places(name, mechanism, TURNING)
     tables += [
         {
             "kind": "attachment",
