@@ -2,7 +2,7 @@
 
 from samples.fidelity_samples import INTERFACES, pendulum
 
-from plymotion.solver.inputs.case.bodies.specifications import rich_bodies
+from plymotion.solver.inputs.case.bodies.specifications import TURNING, rich_bodies
 from plymotion.solver.inputs.case.record import loaded_places
 from plymotion.solver.inputs.case.tables.schema import Mechanism
 from plymotion.solver.package.body.invariants import MOST_MODES
@@ -41,7 +41,7 @@ def test_many_places_leave_second_order_displacements_their_room():
     for place in ("mid", "quarter"):
         table["masses"][place] = {"mass": 0.1, "at": f"link0.{place}"}
     mechanism = Mechanism.model_validate(table)
-    assert loaded_places("link0", mechanism, turned=True) == ["root", "tip"]
+    assert loaded_places("link0", mechanism, TURNING) == ["root", "tip"]
     _, check = rich_bodies("link0", mechanism)
     shapes = {mode.at: len(mode.directions) for mode in check.modes if mode.kind == "attachment"}
     assert shapes == {"mid": 3, "tip": 6, "quarter": 3}
@@ -55,7 +55,7 @@ def test_many_places_leave_second_order_displacements_their_room():
             "law": {"constant": 1.0},
         }
     }
-    assert loaded_places("link0", Mechanism.model_validate(table), turned=True) == [
+    assert loaded_places("link0", Mechanism.model_validate(table), TURNING) == [
         "root",
         "tip",
         "mid",
