@@ -114,7 +114,10 @@ def measured(trial: Trial) -> list[str]:
     share = counters.rejected / max(counters.steps + counters.rejected, 1)
     why = [f"{refusals.newton} by Newton"] if refusals and refusals.newton else []
     ended = [] if solution.status == "finished" else [f"{solution.status}: {solution.code}"]
-    damped = [f"damped above {s.cutoff:.0f} rad/s from {s.t:.2f} s" for s in solution.stalls]
+    damped = [
+        f"{f'damped above {s.cutoff:.0f} rad/s' if s.cutoff else 'short steps'} from {s.t:.2f} s"
+        for s in solution.stalls
+    ]
     remarks = ", ".join([*ended, *damped, *why])
     cells = [trial.name, f"{solution.t[-1]:.3g}", f"{counters.steps}", f"{share:.0%}"]
     return [*cells, f"{seconds:.2g}", remarks]
