@@ -307,7 +307,8 @@ def write(results: dict[str, Any], folder: Path) -> None:
     style = (
         "body{font:15px/1.5 system-ui,sans-serif;max-width:70rem;margin:2rem auto;padding:0 1rem;"
         "color:#222}table{border-collapse:collapse;font-size:13px}td,th{border-bottom:1px solid "
-        "#ddd;padding:2px 8px;text-align:left}img{max-width:100%}"
+        "#ddd;padding:2px 8px;text-align:left}td:nth-child(2){white-space:nowrap}"
+        "img{max-width:100%}"
     )
     text = (
         '<!doctype html><html lang="en"><meta charset="utf-8"><title>Arena</title>'
