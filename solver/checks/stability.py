@@ -154,7 +154,7 @@ class SpinMonitor:
         In a frame that turns at w, M q" + G q' + whole q = 0 with G_ij = 2 sum m phi_i.(w x phi_j)
         in these directions. A round shaft is stable above its critical speed, a blade, whose
         second direction is stiff, is not. A shaft of two stiffnesses grows between its two critical
-        speeds, at no more than half their difference. SLOW_GROWTH is passed by.
+        speeds, at no more than half their difference. Growth up to SLOW_GROWTH is accepted.
 
         Where loads neither stiffen nor soften these directions, the loss is the motion's own: no
         term of second order is missing.

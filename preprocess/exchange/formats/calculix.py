@@ -114,6 +114,7 @@ def _cards(file: Path, depth: int) -> Iterator[tuple[str, dict[str, str], list[l
 
 
 def _nodes(deck: Deck, options: dict[str, str], lines: list[list[str]]) -> None:
+    first = len(deck.labels)
     for row in lines:
         try:
             label, point = int(row[0]), [float(part or 0.0) for part in row[1:4]]
@@ -121,8 +122,8 @@ def _nodes(deck: Deck, options: dict[str, str], lines: list[list[str]]) -> None:
             raise InputError(f"{deck.file}: *NODE: {', '.join(row)}: {error}") from error
         deck.labels.append(label)
         deck.points.append([*point, *[0.0] * (3 - len(point))])
-        if "NSET" in options:
-            _named(deck.groups, options["NSET"]).append(label)
+    if lines and "NSET" in options:
+        _named(deck.groups, options["NSET"]).extend(deck.labels[first:])
 
 
 def _elements(deck: Deck, options: dict[str, str], lines: list[list[str]]) -> None:
@@ -140,7 +141,8 @@ def _elements(deck: Deck, options: dict[str, str], lines: list[list[str]]) -> No
         )
     for i in range(0, len(numbers), size):
         deck.elements[numbers[i]] = kind, numbers[i + 1 : i + size]
-        _named(deck.sets, options.get("ELSET", "")).append(numbers[i])
+    if numbers:
+        _named(deck.sets, options.get("ELSET", "")).extend(numbers[::size])
 
 
 def _named(sets: dict[str, list[int]], name: str) -> list[int]:

@@ -27,7 +27,10 @@ def quasi_static_deformations(model: Model, t: float, y: Array) -> list[Array]:
     t : time [s]
     y : state (n,), as in dynamics/model/model.py
     """
-    heavy = _heavy(model, t, y)
+    return _deformations(model, _heavy(model, t, y), t, y)
+
+
+def _deformations(model: Model, heavy: Model, t: float, y: Array) -> list[Array]:
     rates, _ = along_solution(heavy, np.array([t]), y[None, :])
     deformations: list[Array] = []
     for i in range(model.n_body):
@@ -69,7 +72,7 @@ def quasi_static_rates(model: Model, t: float, y: Array) -> tuple[list[Array], f
         K, M = (modal_matrix(model, flat, i) for flat in (model.K_qq, model.M_qq))
         slowest = max(slowest, float(np.linalg.eigvals(np.linalg.solve(K, M)).real.max()))
     h, z = _STEP * np.sqrt(slowest), y
-    shapes = [quasi_static_deformations(model, t, y)]
+    shapes = [_deformations(model, heavy, t, y)]
     for begin in (t, t + h):
         slopes: list[Array] = []
         for part in (0.0, 0.5, 0.5, 1.0):  # Runge and Kutta's method
@@ -77,7 +80,7 @@ def quasi_static_rates(model: Model, t: float, y: Array) -> tuple[list[Array], f
             rates, _ = along_solution(heavy, np.array([begin + part * h]), at[None, :])
             slopes.append(np.asarray(rates[0]))
         z = z + h / 6.0 * (slopes[0] + 2.0 * (slopes[1] + slopes[2]) + slopes[3])
-        shapes.append(quasi_static_deformations(model, begin + h, z))
+        shapes.append(_deformations(model, heavy, begin + h, z))
     size, changed, found = 0.0, 0.0, list[Array]()
     for i, (one, two, three) in enumerate(zip(*shapes, strict=True)):
         first, second, K = (two - one) / h, (three - two) / h, modal_matrix(model, model.K_qq, i)

@@ -76,7 +76,7 @@ def with_targets(
     ----------
     names : of the parameters
     specs : of the designs of `beside`
-    without : "stresses", "second_order": derivatives of beams that nothing depends on
+    without : derivatives of beams that nothing depends on, as in `BeamSpecification`
 
     Raises
     ------
@@ -128,8 +128,8 @@ def runs_beside(
     Parameters
     ----------
     mechanisms : less and plus the step of each parameter; None: that of the run
-    without : "stresses", "second_order": what packages have no derivatives of; these runs do not
-        have it, so that nothing is taken for what does not change
+    without : as of `with_targets`. Where packages have no derivatives of stresses or terms of
+        second order, these runs have neither, so that nothing is taken for what does not change
     """
     packages = dict(spec.packages)
     for name, p in packages.items():

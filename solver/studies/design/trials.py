@@ -93,7 +93,8 @@ class Trials:
         self._stressed: list[Measure] = []
         self._failed: dict[Path, str] = {}  # packages that could not be built
         self._refused = ""  # why the packages of the last design have no derivatives
-        self._last: tuple[bytes, Made, list[Array]] | None = None
+        # Its arrays, and derivatives (r, ...) of its values by them, by measure.
+        self._last: tuple[bytes, Made, list[Array], list[Array]] | None = None
         self._traces: dict[str, Traced] = {}  # of the last design, by run
         keep_preprocessors()
 
@@ -122,14 +123,12 @@ class Trials:
             return Values(made, [], [], [])
         try:
             raws = [measure.raw(made) for measure in self.measures]
-            measured = [
-                m.reduce(raw, made.t)[0].tolist()
-                for m, raw in zip(self.measures, raws, strict=True)
-            ]
+            reduced = [m.reduce(raw, made.t) for m, raw in zip(self.measures, raws, strict=True)]
             shown = [m.shown(raw, made.t) for m, raw in zip(self.measures, raws, strict=True)]
         except (InputError, *ERRORS) as error:
             return Values(_line(error), [], [], [])
-        self._last = p.tobytes(), made, raws
+        self._last = p.tobytes(), made, raws, [weights for _, weights in reduced]
+        measured = [values.tolist() for values, _ in reduced]
         return Values("", measured, shown, [m.unit for m in self.measures])
 
     def slopes(self, p: Array) -> list[list[list[float]]]:
@@ -139,7 +138,7 @@ class Trials:
             if why:
                 raise InputError(why)
         assert self._last is not None
-        made, weights = self._last[1], self._weights()
+        _, made, _, weights = self._last
         if self.exact and p.size > MANY and not self._refused:
             parameters = self._beside[self.study.table.run]
             by_adjoint_method = adjoint_slopes(self._traces, parameters, self.measures, made)
@@ -255,20 +254,14 @@ class Trials:
         Beside the design they are the same.
         """
         assert self._last is not None
-        made = self._last[1]
+        _, made, _, weights = self._last
         held: dict[str, dict[str, object]] = {run: {} for run in self._traces}
         if made.recording is not None:
             memory = {HELD: held[self.study.table.run]}
             recording = Recording(made.recording.model, made.t, made.recording.y, memory)
-            for m, w in zip(self.measures, self._weights(), strict=True):
+            for m, w in zip(self.measures, weights, strict=True):
                 m.raw(replace(made, recording=recording), w)
         return held
-
-    def _weights(self) -> list[Array]:
-        """Return the derivatives (r, ...) of the values of the last design by its arrays."""
-        assert self._last is not None
-        _, made, raws = self._last
-        return [m.reduce(raw, made.t)[1] for m, raw in zip(self.measures, raws, strict=True)]
 
     def _rates(
         self,
@@ -281,7 +274,7 @@ class Trials:
         They are zero of other measures, and where the values of the design do not depend on them.
         """
         assert self._last is not None
-        run, raws, weights = self.study.table.run, self._last[2], self._weights()
+        (_, _, raws, weights), run = self._last, self.study.table.run
         rates = [np.zeros((len(parameters[run]), *raw.shape)) for raw in raws]
         for k, parameter in enumerate(parameters[run]):
             low, high = made_beside(run, self._traces, motions, k, parameter)
