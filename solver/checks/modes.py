@@ -213,11 +213,20 @@ def motion_findings(run: FinishedRun) -> Iterator[Finding]:
             worst[whole] = rotation, name, i
     for whole, (rotation, name, i) in worst.items():
         count = segments.get(whole, 0)
-        text = _text(whole, name, rotation, count, second_order=stiffened(run.model, i))
+        package = run.packages[name] if stiffened(run.model, i) else None
+        text = _text(whole, name, rotation, count, package)
         yield ROTATION.finding(text, body=whole, value=rotation)
 
 
-def _text(whole: str, name: str, rotation: float, count: int, *, second_order: bool) -> str:
+def better_frame(package: ModalPackage) -> str:
+    """Return advice on the frame of a body; empty where no other keeps rotations smaller."""
+    clamped = package.reference_condition == "clamped"
+    return "use a chord or mean-axis frame, or " if clamped else ""
+
+
+def _text(
+    whole: str, name: str, rotation: float, count: int, second_order: ModalPackage | None
+) -> str:
     """Return the message; `count` is the number of segments of a beam, 0 of another body.
 
     The rotation relative to the frame of a segment is about inverse to their number; that of the
@@ -236,9 +245,8 @@ def _text(whole: str, name: str, rotation: float, count: int, *, second_order: b
         wanted = f" = {number}" if rotation <= tau else ""
         split = f"divide the beam by segments{wanted}{now}"
     if second_order:
-        frame = "" if count > 1 else "use a chord or mean-axis frame, or "
         accuracy = "expect an error of about 2 % at 0.25 rad"
-        return f"{turn}(second-order body: {limit}; {accuracy}): {frame}{split}"
+        return f"{turn}(second-order body: {limit}; {accuracy}): {better_frame(second_order)}{split}"
     if count:
         split += ", with solver.geometric_stiffening = true"
     return f"{turn}(linear bodies: {limit}): {split}, or stiffen it"

@@ -27,6 +27,7 @@ from ..results.codes import (
     Finding,
 )
 from .finished import FinishedRun
+from .modes import better_frame
 from .stability import Loading, SpinMonitor, buckling_text, geometric_stiffness, joints_hold
 from .tolerances import FREE_MODE, WHIRLS
 
@@ -158,9 +159,9 @@ def _of_mass(run: FinishedRun, i: int, t: Array, lowest: Array) -> Iterator[Find
     whose = "" if lost[k] else " alone"
     text = (
         f"{name}: at t = {t[k]:.4g} s the mass matrix of the body{whose} is not positive: "
-        "it has moved too far from its frame for second-order displacements. A chord or "
-        "mean-axis frame, or several bodies with fixed joints between them (a beam: more "
-        "segments), helps"
+        "it has moved too far from its frame for second-order displacements: "
+        f"{better_frame(run.packages[name])}model the part as several bodies with fixed joints "
+        "between them (a beam: more segments)"
     )
     finding = INDEFINITE.finding(text, body=name, t=float(t[k]), value=float(lowest[k]))
     yield finding if lost[k] else finding._replace(level="warning")

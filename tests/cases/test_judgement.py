@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
-from samples.beam_samples import CLAMPED, reduced, straight_line
+from samples.beam_samples import CHORD, CLAMPED, reduced, straight_line
 from samples.case_samples import rigid
 from samples.judged_samples import judged, judged_case
 from samples.recovery_samples import (
@@ -169,15 +169,22 @@ def test_a_linear_column_is_told_of_its_buckling_load_at_the_instant(tmp_path, c
 
 
 @pytest.mark.provokes("stiffened-mass-indefinite", "elastic-rotation-large")
-def test_a_stiffened_beam_bends_too_far(tmp_path):
-    found = judged(
-        tmp_path,
-        pushed([0, 1.0, 0], BEND),
-        {"column": column().package},
-        geometric_stiffening=True,
-        **RADAU,
-    )
-    assert {"stiffened-mass-indefinite", "elastic-rotation-large"} <= set(found.codes)
+@pytest.mark.parametrize(("reference", "times"), [(CLAMPED, 1.0), (CHORD, 4.0)])
+def test_a_stiffened_beam_bends_too_far(tmp_path, reference, times):
+    """A chord frame is no advice for a body that has one."""
+    bent = [{"kind": "attachment", "at": at, "directions": ["rz"]} for at in ("root", "tip")]
+    chord = [{"kind": "bending-xy", "count": 2}, {"kind": "torsion", "count": 1}, *bent]
+    clamped = [{"kind": "bending-xy", "count": 3}, {"kind": "attachment", "at": "tip"}]
+    modes = clamped if reference is CLAMPED else chord
+    package = reduced(reference, modes, K=K, mass=MASS, length=LENGTH, elements=4).package
+    load = pushed([0, 1.0, 0], times * BEND)
+    found = judged(tmp_path, load, {"column": package}, geometric_stiffening=True, **RADAU)
+    both = {"stiffened-mass-indefinite", "elastic-rotation-large"}
+    assert both <= set(found.codes)
+    for code in both:
+        message = found.finding(code)["message"]
+        assert "model the part as several bodies" in message
+        assert ("chord" in message) == (reference is CLAMPED)
 
 
 @pytest.mark.provokes("stiffening-without-data")
