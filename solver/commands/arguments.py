@@ -68,7 +68,9 @@ class CommandParser(argparse.ArgumentParser):
                 )
             else:
                 what = "file" if os.path.splitext(word)[1] or os.path.dirname(word) else "command"
-                message = f"{word}: no such {what}{did_you_mean(word, known)}"
+                file = f"{word}.toml"  # such as `plymotion arm` beside arm.toml
+                hint = f"; did you mean {program()} run {file}?" if os.path.isfile(file) else ""
+                message = f"{word}: no such {what}{hint or did_you_mean(word, known)}"
             self.exit(2, f"error: {message}\nCommands: {', '.join(known)}\n")
         super().error(message)
 

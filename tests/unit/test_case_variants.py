@@ -67,6 +67,20 @@ def test_a_mistake_of_a_variant_names_run_and_variant(tmp_path):
     assert line.endswith("(run a, variant long)")
 
 
+def test_a_mistake_of_a_variant_that_no_run_has_is_told(tmp_path):
+    """Unless the variant fits to one run at least."""
+    unused = WRONG.split("[runs.a]")[0]
+    with pytest.raises(InputError) as error:
+        _load(tmp_path, CASE + unused)
+    (line,) = str(error.value).splitlines()
+    assert "bodies.arm.length = -1.0: value should be greater than 0" in line
+    assert line.endswith("(variant long, of no run)")
+    _load(
+        tmp_path,
+        CASE + RIGID + "[variants.heavy.bodies.arm]\ninertia = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]\n",
+    )
+
+
 def test_runs_with_the_same_variant_share_one_message(tmp_path):
     more = '[variants.v]\n[runs.b]\nvariants = ["v", "long"]\n[runs.c]\nvariants = ["long"]\n'
     with pytest.raises(InputError) as error:

@@ -58,6 +58,7 @@ def test_a_command_ends_without_freeing_its_objects_one_by_one() -> None:
     [
         (["sweeep"], "error: sweeep: no such command; did you mean 'sweep'?\nCommands: "),
         (["zzz"], "error: zzz: no such command\nCommands: "),
+        (["arm"], "error: arm: no such command; did you mean plymotion run arm.toml?\n"),
         ([], "error: expected CASE.toml or a command\nCommands: blade, "),
         (["/"], "error: /: no case; expected CASE.toml, a folder with case.toml, or a command\n"),
         (["new"], "required: {arm,robot-arm,panel,bracket,pendulum,blade,shaft}"),
@@ -69,8 +70,14 @@ def test_a_command_ends_without_freeing_its_objects_one_by_one() -> None:
     ],
 )
 def test_the_nearest_word_is_proposed(
-    words: list[str], message: str, capsys: pytest.CaptureFixture[str]
+    words: list[str],
+    message: str,
+    capsys: pytest.CaptureFixture[str],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("arm.toml").touch()
     with pytest.raises(SystemExit) as ended:
         main(words)
     assert ended.value.code == 2

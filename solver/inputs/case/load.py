@@ -163,21 +163,38 @@ def checked_case(
         for table, names in (("runs", top.runs), ("sweeps", top.sweeps))
         for name in RESERVED[table].keys() & names.keys()
     )
-    for name, run in top.runs.items():
-        merged = merged_with(f"runs.{name}", run.variants)
+
+    def made(
+        key: str, variants: list[str]
+    ) -> tuple[Mechanism | None, dict[str, BodySpec], list[str]]:
+        """Return a mechanism with variants, its bodies, and what is wrong with it."""
+        merged = merged_with(key, variants)
         try:
             mechanism, texts = mechanism_of(merged, file.parent, top.units)
         except ValidationError as error:
-            findings.of_run(name, (_renamed(line, base) for line in bare_lines(error, Mechanism)))
-            continue
-        runs[name], bodies[name], errors = in_parts(mechanism, specs)
+            return None, {}, [_renamed(line, base) for line in bare_lines(error, Mechanism)]
+        mechanism, own, errors = in_parts(mechanism, specs)
         errors += [] if top.units == "m" else _in_two_units(mechanism, texts, top.units)
+        return mechanism, own, errors
+
+    for name, run in top.runs.items():
+        made_of, own, errors = made(f"runs.{name}", run.variants)
         findings.of_run(name, errors)
+        if made_of is None:
+            continue
+        runs[name], bodies[name] = made_of, own
         if not errors:
             sound.add(name)
     if not findings:  # otherwise a run that is wrong would be missing
         for name, mechanism in runs.items():
             findings.of_run(name, check_elsewhere(mechanism, runs))
+        used = {v for run in top.runs.values() for v in run.variants}
+        used |= {v for sweep in top.sweeps.values() for v in sweep.variants}
+        for variant in (v for v in top.variants if v not in used):
+            wrong = (made(f"runs.{n}", [*run.variants, variant])[2] for n, run in top.runs.items())
+            lines = next(wrong)  # fits one run at least
+            if lines and all(wrong):
+                findings.add(f"{file}: {line} (variant {variant}, of no run)" for line in lines)
     findings.add(f"{file}: {line}" for line in _figures(top, runs))
 
     def merged_of(key: str = "", variants: Sequence[str] = ()) -> MergedOf:
