@@ -160,6 +160,11 @@ class FinishedRun:
         """Packages of the flexible bodies, by name."""
         return self.built.packages
 
+    def better_frame(self, name: str) -> str:
+        """Return advice on the frame of a body; empty where no other keeps rotations smaller."""
+        clamped = self.packages[name].reference_condition == "clamped"
+        return "use a chord or mean-axis frame, or " if clamped else ""
+
     def some(self, most: int | None) -> IntArray:
         """Return rows of at most so many output times, first and last included."""
         return self._spread(self.solution.t.size, most)

@@ -213,21 +213,15 @@ def motion_findings(run: FinishedRun) -> Iterator[Finding]:
             worst[whole] = rotation, name, i
     for whole, (rotation, name, i) in worst.items():
         count = segments.get(whole, 0)
-        package = run.packages[name] if stiffened(run.model, i) else None
-        text = _text(whole, name, rotation, count, package)
+        frame = run.better_frame(name) if stiffened(run.model, i) else None
+        text = _text(whole, name, rotation, count, frame)
         yield ROTATION.finding(text, body=whole, value=rotation)
 
 
-def better_frame(package: ModalPackage) -> str:
-    """Return advice on the frame of a body; empty where no other keeps rotations smaller."""
-    clamped = package.reference_condition == "clamped"
-    return "use a chord or mean-axis frame, or " if clamped else ""
-
-
-def _text(
-    whole: str, name: str, rotation: float, count: int, second_order: ModalPackage | None
-) -> str:
+def _text(whole: str, name: str, rotation: float, count: int, frame: str | None) -> str:
     """Return the message; `count` is the number of segments of a beam, 0 of another body.
+
+    `frame` is advice on that of a second-order body, None of a linear one.
 
     The rotation relative to the frame of a segment is about inverse to their number; that of the
     segment in which a beam bends most falls a little more slowly. A rotation above a full turn, of
@@ -244,9 +238,9 @@ def _text(
         number = ceil((UNEVEN if count > 1 else 1.0) * count * rotation / ROTATION.limit)
         wanted = f" = {number}" if rotation <= tau else ""
         split = f"divide the beam by segments{wanted}{now}"
-    if second_order:
+    if frame is not None:
         accuracy = "expect an error of about 2 % at 0.25 rad"
-        return f"{turn}(second-order body: {limit}; {accuracy}): {better_frame(second_order)}{split}"
+        return f"{turn}(second-order body: {limit}; {accuracy}): {frame}{split}"
     if count:
         split += ", with solver.geometric_stiffening = true"
     return f"{turn}(linear bodies: {limit}): {split}, or stiffen it"

@@ -27,7 +27,6 @@ from ..results.codes import (
     Finding,
 )
 from .finished import FinishedRun
-from .modes import better_frame
 from .stability import Loading, SpinMonitor, buckling_text, geometric_stiffness, joints_hold
 from .tolerances import FREE_MODE, WHIRLS
 
@@ -160,7 +159,7 @@ def _of_mass(run: FinishedRun, i: int, t: Array, lowest: Array) -> Iterator[Find
     text = (
         f"{name}: at t = {t[k]:.4g} s the mass matrix of the body{whose} is not positive: "
         "it has moved too far from its frame for second-order displacements: "
-        f"{better_frame(run.packages[name])}model the part as several bodies with fixed joints "
+        f"{run.better_frame(name)}model the part as several bodies with fixed joints "
         "between them (a beam: more segments)"
     )
     finding = INDEFINITE.finding(text, body=name, t=float(t[k]), value=float(lowest[k]))
