@@ -235,12 +235,10 @@ def _begin(stop: Any) -> None:
     _stop = stop
     end_with_parent()
 
-    received: list[int] = []
-
     def interrupted(number: int, *_: Any) -> None:
+        first = not stop_requested()
         note(number)
-        received.append(number)
-        if _busy and len(received) == 1:
+        if _busy and first:
             raise KeyboardInterrupt
 
     handle(interrupted)
@@ -248,10 +246,12 @@ def _begin(stop: Any) -> None:
 
 def _in_worker(task: _Task) -> Outcome:
     global _busy
-    if _stop.is_set():
-        return Outcome(INTERRUPTED)
     _busy = True
     try:
-        return _outcome(task)
+        # A signal to the group may come before the parent sets the event.
+        begins = not (_stop.is_set() or stop_requested())
+        return _outcome(task) if begins else Outcome(INTERRUPTED)
+    except KeyboardInterrupt:
+        return Outcome(INTERRUPTED)
     finally:
         _busy = False

@@ -62,6 +62,7 @@ def _not_lost() -> Iterator[None]:
         if issubclass(dropped.exc_type, KeyboardInterrupt) and _received:
             # Not threading.Thread: the finalizer may run where that holds its lock.
             _thread.start_new_thread(_send_again, (_received[-1],))
+            _received.clear()  # where only the first counts, this one has not
         else:
             before(dropped)
 

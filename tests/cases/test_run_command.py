@@ -6,6 +6,7 @@ import select
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -15,7 +16,9 @@ from plymotion.solver.__main__ import main
 from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.run.timing import PHASES
-from plymotion.solver.system.platform import context
+from plymotion.solver.studies import runs
+from plymotion.solver.system.interrupts import handled_signals
+from plymotion.solver.system.platform import context, processes
 
 BALL = rigid("ball", 1.0, 0.1, {"c": (0, 0, 0)})
 # grows beyond all numbers: the run stops early
@@ -148,6 +151,32 @@ def test_ctrl_c_keeps_the_parts_of_all_processes(tmp_path):
         assert f"{name}: interrupted at t = " in words
         assert (tmp_path / "build" / name / "result.vtkhdf").is_file()
     assert not (tmp_path / "build/last").exists()
+
+
+class _Late:
+    def __del__(self):
+        signal.raise_signal(signal.SIGINT)
+
+
+def _signal_in_a_finalizer():
+    """Python drops the exception of the first one; the second is that of the parent process."""
+    _Late()
+    signal.raise_signal(signal.SIGINT)
+    time.sleep(5.0)
+
+
+@pytest.mark.skipif(
+    context().get_start_method() != "fork", reason="elsewhere workers are no copies"
+)
+@pytest.mark.parametrize("before", [True, False])
+def test_a_worker_that_has_the_signal_before_its_parent_stops(tmp_path, before):
+    """A run that begins after the signal, or goes on after it, would take its whole time."""
+    run = os.abort if before else _signal_in_a_finalizer
+    with handled_signals(), processes(1, runs._begin, context().Event()) as pool:
+        if before:
+            pool.submit(signal.raise_signal, signal.SIGINT).result()
+        task = runs._Task(tmp_path / "a.json", False, run)
+        assert pool.submit(runs._in_worker, task).result().code == 130
 
 
 @pytest.mark.skipif(
