@@ -29,7 +29,7 @@ from .interpreter import LAUNCHER, find_interpreter
 
 
 class Line(TypedDict):
-    """The outcome of a specification, a line of preprocess/batch.py."""
+    """The outcome of a specification, a line of preprocess/products.py."""
 
     status: str  # built, unchanged, failed
     seconds: float
@@ -257,7 +257,7 @@ def kept_preprocessors() -> Iterator[None]:
 
 
 def make(start: Start, spec: Path) -> Line:
-    """Have the file of a specification made; return its outcome as in preprocess/batch.py.
+    """Have the file of a specification made; return its outcome as in preprocess/products.py.
 
     A preprocessor that crashes makes this file fail, and the next one has another.
 

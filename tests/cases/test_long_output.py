@@ -13,7 +13,7 @@ from samples.case_samples import HEAD, SOLVER, case_runs, rigid
 
 from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.write import write_case
-from plymotion.solver.integrators.generic import output
+from plymotion.solver.integrators.generic import drive
 from plymotion.solver.math import rows
 from plymotion.solver.math.rows import ComputedRows, LongRows, StoredRows
 from plymotion.solver.package.common.files import RECORD
@@ -39,8 +39,8 @@ def both(
     table = {f"signals.{name}": value for name, value in SIGNALS.items()}
     spec = spec.changed(table)
     plain = execute(spec, progress=False)
-    monkeypatch.setattr(output, "IN_MEMORY", 0)
-    monkeypatch.setattr(output, "WINDOW", 40 * 8 * (plain[0].q.shape[1] + plain[0].v.shape[1] + 1))
+    monkeypatch.setattr(drive, "IN_MEMORY", 0)
+    monkeypatch.setattr(drive, "WINDOW", 40 * 8 * (plain[0].q.shape[1] + plain[0].v.shape[1] + 1))
     monkeypatch.setattr(rows, "BLOCK", 10_000)
     return plain, execute(spec, progress=False)
 
@@ -168,8 +168,8 @@ def test_one_step_over_many_windows(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     write_case(load_case(tmp_path / "case.toml"), tmp_path)
     spec = read_run(tmp_path / "runs/base.json")
     plain, told = execute(spec, progress=False)
-    monkeypatch.setattr(output, "IN_MEMORY", 0)
-    monkeypatch.setattr(output, "WINDOW", 100 * 8 * 14)
+    monkeypatch.setattr(drive, "IN_MEMORY", 0)
+    monkeypatch.setattr(drive, "WINDOW", 100 * 8 * 14)
     long, told_long = execute(spec, progress=False)
     assert told["cost"]["steps"] < 100 < 10_001 == len(plain.t)
     assert np.array_equal(plain.q, np.asarray(long.q))

@@ -16,7 +16,7 @@ from plymotion.solver.results.codes import SPIN
 from plymotion.solver.run.error_bars import with_error_bars
 from plymotion.solver.run.execution import execute, read_run
 from plymotion.solver.studies.sweep import portions
-from plymotion.solver.studies.sweep.member import compute
+from plymotion.solver.studies.sweep.portions import compute
 from plymotion.solver.studies.sweep.sweep_members import Packages
 
 BRIEF = """
@@ -209,16 +209,16 @@ def test_the_half_may_be_named(capsys):
 @pytest.mark.provokes("defect")
 def test_a_defect_is_told_and_the_others_go_on(tmp_path, monkeypatch):
     """An error that no input explains: its words in the row, the traceback for us."""
-    from plymotion.solver.studies.sweep import member
+    from plymotion.solver.studies.sweep import portions
 
-    prepare = member.prepare
+    prepare = portions.prepare
 
     def broken(*arguments, **options):
         if arguments[0].bodies["ball"].mass == 2:
             raise ZeroDivisionError("a defect")
         return prepare(*arguments, **options)
 
-    monkeypatch.setattr(member, "prepare", broken)
+    monkeypatch.setattr(portions, "prepare", broken)
     plan = ball_plan(tmp_path, f"{MASS} = [1, 2, 3]")
     rows = compute(plan, Packages(plan), range(3), plan.keys())
     assert [row.status for row in rows] == ["finished", "failed", "finished"]

@@ -9,7 +9,7 @@ from samples.sweep_samples import FORCE, MASS, ball, ball_plan, result, sweep
 
 from plymotion.solver.studies.sweep import portions
 from plymotion.solver.studies.sweep.file import read_sweep
-from plymotion.solver.studies.sweep.member import compute
+from plymotion.solver.studies.sweep.portions import compute
 from plymotion.solver.studies.sweep.sweep_members import Packages
 
 
@@ -43,9 +43,9 @@ def test_an_interruption_keeps_what_is_complete(tmp_path, monkeypatch, capsys):
 
 def test_an_interruption_between_members_keeps_those_before(tmp_path, monkeypatch):
     """Ctrl-C while the second member of a portion is prepared: the first is not lost."""
-    from plymotion.solver.studies.sweep import member
+    from plymotion.solver.studies.sweep import portions
 
-    prepare = member.prepare
+    prepare = portions.prepare
 
     def interrupted(*arguments, **options):
         if len(calls) == 1:
@@ -54,7 +54,7 @@ def test_an_interruption_between_members_keeps_those_before(tmp_path, monkeypatc
         return prepare(*arguments, **options)
 
     calls = []
-    monkeypatch.setattr(member, "prepare", interrupted)
+    monkeypatch.setattr(portions, "prepare", interrupted)
     plan = ball_plan(tmp_path, f"{MASS} = [1, 2, 3]")
     rows = compute(plan, Packages(plan), range(3), plan.keys())
     assert [row.status for row in rows] == ["finished", "pending", "pending"]

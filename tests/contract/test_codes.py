@@ -15,7 +15,7 @@ from plymotion.solver.results.codes import CODES, GROUPS, MEMBER_CODES, RUN_CODE
 LIMITS = {
     "feedback-limits-steps": ("solver/integrators/generic/advice.py", "FEEDBACK_LIMITED"),
     "breaks-not-searched": ("solver/integrators/breakpoints.py", "MOST_CELLS"),
-    "mesh-coarse-for-modes": ("preprocess/beam/beam_reduction.py", "LIMIT"),
+    "mesh-coarse-for-modes": ("preprocess/beam/beam_body.py", "LIMIT"),
     "modes-not-counted": ("preprocess/solid/model.py", "MOST_FACTORISED"),
     "static-modes-dependent": ("preprocess/modes/reduced.py", "DEPENDENT"),
     "measured-shape-rigid": ("solver/package/body/measured.py", "RIGID"),

@@ -119,7 +119,7 @@ from plymotion.preprocess.shell.model.shell_problem import ShellProblem
 from plymotion.preprocess.solid.model import Iterative, Mumps, SolidModel
 from plymotion.preprocess.solid.solid_analysis import HeldSolid
 from plymotion.preprocess.solid.solid_mesh import SolidError
-from plymotion.preprocess.solid.surface_stresses import second_order_forces
+from plymotion.preprocess.solid.solid_body import second_order_forces
 from plymotion.solver.package.common.plain_data import SpecError
 
 def solved(model, loads):

@@ -12,7 +12,7 @@ from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.package import ModalPackage, write_package
 from plymotion.solver.run.execution import execute, read_run
-from plymotion.solver.studies.sweep.member import Packages, Row, compute
+from plymotion.solver.studies.sweep.portions import Packages, Row, compute
 from plymotion.solver.studies.sweep.sweep_members import SweepSpec, read_sweep_spec
 
 SWEEP = """

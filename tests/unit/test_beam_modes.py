@@ -17,7 +17,7 @@ from samples.beam_samples import (
     straight_line,
 )
 
-from plymotion.preprocess.beam.beam_reduction import coarse_mesh_warnings
+from plymotion.preprocess.beam.beam_body import coarse_mesh_warnings
 from plymotion.preprocess.beam.beam_stations import mass_stations
 from plymotion.preprocess.beam.line import section_axes
 from plymotion.preprocess.modes.eigenmodes import KINDS, ModeRequest

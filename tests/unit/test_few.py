@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from samples.case_samples import HEAD, SOLVER, rigid
 
-from plymotion.preprocess.beam.beam_reduction import coarse_mesh_warnings
+from plymotion.preprocess.beam.beam_body import coarse_mesh_warnings
 from plymotion.solver.errors import few, nearest
 from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.write import write_case

@@ -11,7 +11,7 @@ import plymotion as pm
 from plymotion.solver.__main__ import main
 from plymotion.solver.errors import InputError
 from plymotion.solver.extras.robot.case import robot_case
-from plymotion.solver.extras.robot.pictures import fewer
+from plymotion.solver.extras.robot.case_folder import fewer
 from plymotion.solver.extras.robot.urdf import read_urdf
 from plymotion.solver.results.surfaces import stl_triangles
 

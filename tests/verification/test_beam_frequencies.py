@@ -16,7 +16,7 @@ import pytest
 import scipy.optimize
 from samples.beam_samples import coupled_stiffness, dense, straight_line
 
-from plymotion.preprocess.beam.beam_reduction import frequency_error
+from plymotion.preprocess.beam.beam_body import frequency_error
 from plymotion.preprocess.beam.beam_stations import mass_stations
 from plymotion.preprocess.beam.element import Q, Z
 from plymotion.preprocess.beam.line import BeamLine

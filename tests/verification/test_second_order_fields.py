@@ -14,7 +14,7 @@ from samples.beam_samples import (
     reduced,
 )
 
-from plymotion.preprocess.beam.beam_reduction import held_dofs
+from plymotion.preprocess.beam.beam_body import held_dofs
 from plymotion.preprocess.beam.beam_stations import mass_stations, nodal_mass, point_masses
 from plymotion.preprocess.beam.element import Z, gauss
 from plymotion.preprocess.beam.line import SectionMass

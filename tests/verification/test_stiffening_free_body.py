@@ -19,7 +19,7 @@ from samples.curved_samples import meshed
 from samples.flexible_samples import momenta, total_energy
 from samples.stiffening_samples import on_interface
 
-from plymotion.preprocess.beam.beam_reduction import held_dofs
+from plymotion.preprocess.beam.beam_body import held_dofs
 from plymotion.preprocess.beam.beam_stations import mass_stations, point_masses
 from plymotion.preprocess.beam.line import SectionMass
 from plymotion.preprocess.beam.mode_fields import second_order_fields
