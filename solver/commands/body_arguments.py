@@ -140,8 +140,8 @@ def add_shell(parser: Any) -> None:
     text += "of this step; error = false in [buckling] leaves it out"
     kept: dict[str, object] = {"nargs": "?", "const": 4, "metavar": "COUNT"}
     parser.add_argument("--buckling", type=whole_number, help=text, **kept)
-    text = "what no angles of the plies can exceed, and a lay-up near it: the lowest frequency, "
-    text += "the load factor or the compliance under the one load case"
+    text = "bound of the lowest frequency, load factor or compliance over all angles of the plies, "
+    text += "and a lay-up near it; with one load case"
     parser.add_argument("--bound", choices=("frequency", "buckling", "compliance"), help=text)
     text = "compute strain energies and frequencies by a second method as well, and compare"
     flag(parser, "verify", text)
@@ -258,7 +258,7 @@ def add_import(parser: Any) -> None:
     robot.add_argument(
         "--package", action="append", default=[], type=_package, metavar="NAME=PATH", help=text
     )
-    text = "take what looks wrong: inertia that no solid has, units that give odd sizes"
+    text = "accept inertia that no solid has, or sizes that suggest wrong units"
     robot.add_argument(
         "--allow", action="append", default=[], choices=["inertia", "units"], help=text
     )
@@ -279,7 +279,7 @@ def written_formats() -> list[str]:
 
 @command("export", "bodies.packages:run_export")
 def add_export(parser: Any) -> None:
-    """Write a modal package in the format of another code.
+    """Write a modal package in the format of another code, or a run as an FMU.
 
     Write a modal package in the format of another code: exudyn (a script that adds the body),
     mujoco (a chain of virtual joints), uff (modes and masses), med (mesh and shapes), dmig (NASTRAN
@@ -307,7 +307,7 @@ def add_export(parser: Any) -> None:
 @command("info", "bodies.packages:run_info")
 def add_info(parser: Any) -> None:
     """Check modal packages and section files against docs/format.md, and show packages."""
-    add(parser, "files", "FILE", PACKAGE, nargs="+")
+    add(parser, "files", "FILE", f"{PACKAGE} or a section file", nargs="+")
 
 
 _DESCRIBED = {

@@ -30,7 +30,7 @@ STARTERS = {
     "bracket": "a part from CAD (STEP) that turns a payload",
     "pendulum": "a laminated bar on a hinge, set swinging",
     "blade": "a rotating composite blade, stiffened by its spin",
-    "shaft": "a composite shaft in two bearings, turned up through its critical speed",
+    "shaft": "a composite shaft in two bearings, run up through its critical speed",
 }
 
 
@@ -52,9 +52,9 @@ def add_new(parser: Any) -> None:
 def add_check(parser: Any) -> None:
     """Check a case file; with --out, write the input of the other commands."""
     parser.add_argument("case", type=Path, nargs="?", metavar="CASE", help="CASE.toml")
-    add(parser, "--out", "DIR", "write case.json, bodies/, runs/, sweeps/ there")
+    add(parser, "--out", "DIR", "write case.json, bodies/, runs/, sweeps/ to DIR")
     add_case_options(parser)
-    flag(parser, "reference", "print docs/case-reference.md")
+    flag(parser, "reference", "print the list of all keys, docs/case-reference.md")
 
 
 @command("run", "case:run_any")
@@ -62,16 +62,15 @@ def add_run(parser: Any) -> None:
     """Run a case file from check to report, or integrate run files.
 
     `plymotion CASE.toml` is `plymotion run CASE.toml`: it checks the case, builds its bodies in the
-    Python with FEniCSx, integrates its runs and writes DIR/report.html. What is up to date by
-    content is not done again.
+    Python with FEniCSx, integrates its runs and writes DIR/report.html. Files that are up to date
+    are not made again.
 
-    Several run files are integrated in one process, or in --jobs processes, which saves the time to
-    start.
-    A run that fails does not stop the others. Each run writes result.vtkhdf and summary.json.
+    Several run files are integrated in one process, or in --jobs processes. A run that fails does
+    not stop the others. Each run writes result.vtkhdf and summary.json.
 
     exit code: 0 all runs finished; 2 something is wrong with an input; 3 a run ended early, its
-    results up to that time are kept, or its own findings call its results invalid; 130, 143, 129
-    ended by Ctrl-C, TERM or HUP, results are kept.
+    results up to that time are kept, or a finding calls its results invalid, or it does not meet
+    the accuracy of [fidelity]; 130, 143, 129 ended by Ctrl-C, TERM or HUP, results are kept.
     """
     text = "a case file, CASE.toml; or run files, build/CASE/runs/RUN.json"
     parser.add_argument("files", nargs="+", type=Path, metavar="FILE", help=text)
@@ -82,7 +81,7 @@ def add_run(parser: Any) -> None:
     text = "run the Python functions that a case names as controllers: only of cases you trust"
     flag(parser, "allow-python", text)
     add_doubtful(parser)
-    flag(parser, "timing", "print what the CPU seconds went to")
+    flag(parser, "timing", "print the CPU time of each part")
     flag(parser, "quiet", "no progress bar")
     case = parser.add_argument_group("with a case file")
     add(case, "--run", "NAME", "only this run; may be given several times", str, action="append")
@@ -93,7 +92,7 @@ def add_run(parser: Any) -> None:
     flag(case, "no-report", "no report.html")
     add_report_figures(case)
     several = parser.add_argument_group("with run files")
-    text = "folder for a folder per run (default: build/CASE, above the run files)"
+    text = "each run gets a folder in DIR (default: build/CASE, above the run files)"
     several.add_argument("--out-dir", type=Path, metavar="DIR", help=text)
     flag(several, "update", "only runs whose inputs or solver have changed")
 
@@ -200,8 +199,8 @@ def add_plan(parser: Any) -> None:
     """Choose the model of a run by its accuracy.
 
     The case needs [fidelity] (docs/fidelity.md). Packages that are out of date are built. The plan
-    is written to DIR/plans/RUN.toml, where `plymotion run` finds it. --chart takes a plan that is
-    there, and prints and draws error against CPU time of the models between rigid bodies and all
+    is written to DIR/plans/RUN.toml, where `plymotion run` finds it. With --chart, an existing plan
+    is used, and error against CPU time of the models is printed and drawn, from rigid bodies to all
     modes.
 
     exit code: 0 the request is met; 2 something is wrong with an input; 3 the request is not met.
