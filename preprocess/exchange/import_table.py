@@ -1,5 +1,6 @@
 """Import files (arm.toml): their form, also in Python, and the files that they name."""
 
+import re
 from collections.abc import Mapping
 from datetime import UTC, datetime
 from pathlib import Path
@@ -166,6 +167,18 @@ class Files:
         """Names and hashes of the files that were read, for the provenance."""
         names = {key: str(self.table[key]) for key in self._hashes}
         return {"files": names, "sha256": self._hashes}
+
+
+EXPONENT = re.compile(r"(?<=[0-9.])([+-]\d+)$")
+
+
+def fortran_number(text: str) -> float:
+    """A number as Fortran writes it, with D or nothing for E: 1.5D-3, 1.5-103.
+
+    Raises ValueError for other text.
+    """
+    word = text.upper().replace("D", "E")
+    return float(word if "E" in word else EXPONENT.sub(r"E\1", word))
 
 
 def text_lines(path: Path) -> list[str]:

@@ -44,10 +44,14 @@ class Curve:
         self._square = (self._along**2).sum(axis=1)
         size = float(np.ptp(pieces.reshape(-1, 3), axis=0).max())
         ends = np.round(pieces.reshape(-1, 3) / (SAME * size))
-        _, row = np.unique(ends, axis=0, return_inverse=True)
-        tangents = np.zeros((row.max() + 1, 3))
-        np.add.at(tangents, row.ravel(), np.repeat(self._along, 2, axis=0))
-        self._ends = (tangents / np.linalg.norm(tangents, axis=1)[:, None])[row.reshape(-1, 2)]
+        _, first, row = np.unique(ends, axis=0, return_index=True, return_inverse=True)
+        row, each = row.ravel(), np.repeat(self._along, 2, axis=0)
+        # curves of a mesh may run towards each other: as axes, both directions are the same
+        tangents = np.zeros((len(first), 3))
+        np.add.at(tangents, row, each * _sign(each, each[first][row]))
+        tangents = tangents[row] * _sign(tangents[row], each)
+        tangents /= np.linalg.norm(tangents, axis=1)[:, None]
+        self._ends = tangents.reshape(-1, 2, 3)
 
     @classmethod
     def of(cls, table: Mapping[str, Any], curves: Mapping[str, Array], where: str) -> "Curve":
@@ -208,6 +212,11 @@ def _axes(mesh: SolidMesh, region: Mapping[str, Any], key: str) -> Axes:
         return _triad(first, _normal_part(normal, first, parallel))
 
     return along_curve
+
+
+def _sign(vectors: Array, others: Array) -> Array:
+    """Sign (k, 1) of vectors (k, 3) along others."""
+    return np.where((vectors * others).sum(axis=1) < 0.0, -1.0, 1.0)[:, None]
 
 
 def _triad(first: Array, normal: Array) -> Array:

@@ -7,7 +7,9 @@ from samples.exchange_samples import bar, write_matrices
 
 from plymotion.preprocess.__main__ import main as preprocess
 from plymotion.solver.__main__ import main
+from plymotion.solver.inputs.case.bodies.specifications import imported_spec
 from plymotion.solver.inputs.case.load import load_case, source_files
+from plymotion.solver.inputs.case.tables.bodies import ImportedBody
 from plymotion.solver.package import read_package
 from plymotion.solver.results import read_result
 
@@ -96,3 +98,20 @@ def test_wrong_cases_are_refused(
     case.write_text(CASE.replace(old, new))
     assert main(["check", str(case)]) == 2
     assert message in capsys.readouterr().err
+
+
+def test_files_of_a_deck_in_another_folder_are_known(tmp_path: Path) -> None:
+    """Those beside the deck, and those that it includes: a body is made again if they change."""
+    for name, text in (
+        ("arm.toml", 'from = "calculix-modes"\n[files]\ndeck = "decks/arm.inp"\n'),
+        ("decks/arm.inp", "*Include, Input=mesh.inp\n** *INCLUDE, INPUT=other.inp\n"),
+        ("decks/mesh.inp", "*NODE\n"),
+        ("decks/other.inp", "*NODE\n"),
+        ("decks/arm.frd", ""),
+    ):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text(text)
+    body = ImportedBody(kind="imported", file="arm.toml")
+    spec, files = imported_spec("link", body, tmp_path)
+    assert set(spec["sha256"]) == {f"decks/{name}" for name in ("arm.inp", "mesh.inp", "arm.frd")}
+    assert tmp_path / "decks/mesh.inp" in files

@@ -1,7 +1,9 @@
 """Sources that have modes without matrices: universal files and MED, out and in again."""
 
+import shutil
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 from samples.brick_model import brick
@@ -9,6 +11,8 @@ from samples.exchange_samples import DENSITY, SIZE, request
 
 from plymotion.preprocess.exchange import from_matrices
 from plymotion.preprocess.exchange.formats.calculix import read_modes
+from plymotion.preprocess.exchange.formats.med import read as read_med
+from plymotion.preprocess.exchange.formats.modal import modal_package
 from plymotion.preprocess.exchange.formats.uff import read
 from plymotion.preprocess.exchange.import_file import imported
 from plymotion.preprocess.exchange.import_table import Files
@@ -126,6 +130,87 @@ def test_a_universal_file_that_is_cut_is_refused(folder: Path, tmp_path: Path) -
         read(Files(table, tmp_path, "arm.toml"))
 
 
+PLACES = {10: (0.0, 0.0), 20: (2.0, 0.0), 35: (2.0, 1.0), 47: (0.0, 1.0)}
+PLATE = {
+    "body": "plate",
+    "units": {"length": "m", "mass": "kg", "time": "s"},
+    "reference": {"kind": "mean-axis"},
+    "modes": [{"kind": "lowest", "count": 1}],
+    "interfaces": {"tip": {"nodes": [20, 35], "link": "average"}},
+}
+
+
+def universal_file(folder: Path, system: int = 1, size: int = 3, left_out: int = 0) -> Files:
+    """A mode z = x y of four nodes as Fortran writes it: D, or no E at three digits."""
+    lines = ["    -1", "  2411"]
+    for label, (x, y) in PLACES.items():
+        lines.append(f"{label:10d}{1:10d}{system:10d}{11:10d}")
+        lines.append("".join(f"{value:25.16E}" for value in (x, y, 0.0)).replace("E", "D"))
+    lines += ["    -1", "    -1", "    55", *["NONE"] * 5, f"{1:10d}{2:10d}{2:10d}{8:10d}{2:10d}"]
+    lines[-1] += f"{size:10d}"
+    lines += [f"{2:10d}{4:10d}{0:10d}{1:10d}", "  4.00000E+01  1.00000E+00 -2.00000-103  0.0"]
+    for label, (x, y) in PLACES.items():
+        if label != left_out:
+            lines += [f"{label:10d}", f"  1.00000-103 -2.00000-103{x * y - 0.5:13.5E}"]
+    (folder / "plate.uff").write_text("\n".join([*lines, "    -1"]) + "\n")
+    (folder / "masses.csv").write_text("".join(f"{label},1.5\n" for label in PLACES))
+    return Files({"uff": "plate.uff", "masses": "masses.csv"}, folder, "plate.toml")
+
+
+def test_a_universal_file_as_fortran_writes_it(tmp_path: Path) -> None:
+    found = read(universal_file(tmp_path))
+    np.testing.assert_array_equal(found.nodes[:, :2], list(PLACES.values()))
+    np.testing.assert_array_equal(found.shapes[0, :, 2], [-0.5, -0.5, 1.5, -0.5])
+    np.testing.assert_array_equal(found.shapes[0, :, :2], np.tile([1e-103, -2e-103], (4, 1)))
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"system": 5}, r"plate.uff: node 10: expected global axes"),
+        ({"size": 1}, r"numbers 2, 1 at a node; expected .* 3 or 6 at a node"),
+        ({"left_out": 35}, r"node 35 \(1 such nodes\) has no displacement in a mode"),
+    ],
+)
+def test_a_universal_file_is_refused(change: dict[str, int], message: str, tmp_path: Path) -> None:
+    files = universal_file(tmp_path, **change)
+    with pytest.raises(InputError, match=message):
+        modal_package(read(files), PLATE, files)
+
+
+def test_masses_of_a_node_are_there_once(tmp_path: Path) -> None:
+    files = universal_file(tmp_path)
+    (tmp_path / "masses.csv").write_text("node,mass\n10,1.0\n10,2.0\n")
+    with pytest.raises(InputError, match=r"masses.csv:3: node 10 has a line before this one"):
+        modal_package(read(files), PLATE, files)
+
+
+def test_components_of_a_med_field_have_names(folder: Path, tmp_path: Path) -> None:
+    """They may be in any order; others, and values at a part of the nodes, are refused."""
+    n = len(read_package(folder / "arm.vtkhdf").node_ids)
+    shapes = {}
+    for names in ("DX DY DZ DRX DRY DRZ", "DRX DRY DRZ DX DY DZ", "DX DY PRES DRX DRY DRZ"):
+        shutil.copy(folder / "arm.med", tmp_path)
+        with h5py.File(tmp_path / "arm.med", "r+") as file:
+            padded = "".join(f"{name:<16}" for name in names.split())
+            file["CHA/DEPL"].attrs["NOM"] = np.bytes_(padded)
+        files = Files({"med": "arm.med", "masses": ""}, tmp_path, "arm.toml")
+        if "PRES" not in names:
+            shapes[names] = read_med(files).shapes
+    one, other = shapes.values()
+    np.testing.assert_array_equal(one, other[..., [3, 4, 5, 0, 1, 2]])
+    with pytest.raises(InputError, match="has DX DY PRES DRX DRY DRZ; expected 3 or 6 components"):
+        read_med(files)
+    with h5py.File(tmp_path / "arm.med", "r+") as file:
+        for step in file["CHA/DEPL"].values():
+            step["NOE"].move("MED_NO_PROFILE_INTERNAL", "half")  # 3 numbers a node, if all had some
+            half = step["NOE/half/CO"][: 3 * n]
+            del step["NOE/half/CO"]
+            step["NOE/half/CO"] = half
+    with pytest.raises(InputError, match="expected a MED file with one mesh and modes"):
+        read_med(files)
+
+
 def test_the_lowest_modes_of_a_file_in_any_order(
     folder: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
@@ -195,10 +280,17 @@ def test_modes_of_a_calculix_shell(tmp_path: Path) -> None:
     }
     package = imported(reduction, tmp_path, "plate.toml")
     np.testing.assert_allclose(package.frequencies, 2.0 * np.pi * np.array([10.0]))
+    lines = [line for line in lines if line[:13] != f" -1{35:10d}"]  # *NODE FILE, NSET=...
+    (tmp_path / "plate.frd").write_text("\n".join(lines) + "\n")
+    with pytest.raises(InputError, match=r"node 35 \(1 such nodes\) has no displacement"):
+        imported(reduction, tmp_path, "plate.toml")
 
 
 def test_sets_of_sets_whose_names_differ_in_capitals(tmp_path: Path) -> None:
-    """CalculiX takes capitals for small letters; a set of such a name lost its nodes."""
+    """CalculiX takes capitals for small letters; a set of such a name lost its nodes.
+
+    The line of a keyword goes on after a comma.
+    """
     (tmp_path / "plate.frd").write_text(
         "  100CL  101 1.00000E+01           4                     2    1MODAL      1\n"
         " -4  DISP        4    1\n -3\n"
@@ -206,12 +298,14 @@ def test_sets_of_sets_whose_names_differ_in_capitals(tmp_path: Path) -> None:
     sets = "*NSET, NSET=Root\n10\n*NSET, NSET=both\nROOT, 47\n*ELSET, ELSET=Chosen\nplate\n"
     deck = SHELL_DECK.replace("*MATERIAL", f"{sets}*MATERIAL")
     deck = deck.replace("SECTION, ELSET=PLATE", "SECTION, ELSET=CHOSEN")
+    deck = deck.replace("TYPE=S4, ELSET", "TYPE=S4,\nELSET").replace("10, 0.,", "10, 0.D0,")
     (tmp_path / "plate.inp").write_text(deck)
     found = read_modes(Files({"deck": "plate.inp"}, tmp_path, "plate.toml"))
     assert found.groups["both"].tolist() == [0, 3]
     assert found.mass is not None
     assert found.mass.sum() == pytest.approx(1000.0)
     for old, new, words in (
+        ("NSET=ALL", "NSET=ALL, SYSTEM=C", r"\*NODE, SYSTEM=C: expected x, y, z"),
         ("ROOT, 47", "RIGHT, 47", r"NSET=both: RIGHT: expected a number, or the name of a set"),
         ("ELSET=CHOSEN", "ELSET=OTHER", "element 7: no .SHELL SECTION has it in its ELSET"),
         ("MATERIAL=M\n0.5\n", "MATERIAL=M, NODAL THICKNESS\n", "expected its thickness"),

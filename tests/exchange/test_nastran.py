@@ -61,6 +61,8 @@ def test_the_mass_that_mystran_loses_is_noticed(folder: Path, tmp_path: Path) ->
 
 GRIDS = """\
 BEGIN BULK
+GRID*,9,,1.0,2.0
+*,3.0
 GRID*   7                               1.5             -2.5-3
 *       3.25D+1
 GRID,3,,0.5,1.+2,
@@ -76,8 +78,8 @@ def test_bulk_data_in_its_three_formats(tmp_path: Path) -> None:
     deck = tmp_path / "a.bdf"
     deck.write_text(GRIDS)
     ids, nodes, cells = read_bulk_data(deck, list(bulk_cards(deck)))
-    assert ids.tolist() == [3, 5, 7]
-    expected = [[0.5, 100.0, 0.0], [1.0, 2.0, 3.0], [1.5, -2.5e-3, 32.5]]
+    assert ids.tolist() == [3, 5, 7, 9]
+    expected = [[0.5, 100.0, 0.0], [1.0, 2.0, 3.0], [1.5, -2.5e-3, 32.5], [1.0, 2.0, 3.0]]
     np.testing.assert_array_equal(nodes, expected)
     assert cells.types.tolist() == [5, 12]
     assert cells.connectivity.tolist() == [0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1]
@@ -89,6 +91,9 @@ def test_bulk_data_in_its_three_formats(tmp_path: Path) -> None:
         ("GRID,9,2,0.,0.,0.", "GRID 9 has a coordinate system of its own"),
         ("GRDSET,,2", "GRDSET has a coordinate system of its own"),
         ("GRID,9,,0.,0.,0.,4", "GRID 9 has a coordinate system of its own"),
+        ("INCLUDE 'b.bdf'", "INCLUDE 'b.bdf'.: expected whole cards"),
+        ("=,*(1),=,*(1.),==", "without INCLUDE and replication"),
+        ("PCOMP,1,,,,,,,,,1,0.1,45.", "at most ten fields a line"),
         ("SPOINT,12", "SPOINT: expected grid points only"),
         ("GRID,9,,a.,0.,0.", "GRID: expected a number, found 'a.'"),
         ("CQUAD4,9,1,3,5,7", "CQUAD4 9: expected 4 nodes"),

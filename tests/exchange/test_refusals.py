@@ -177,6 +177,11 @@ def test_a_triangle_that_is_not_declared_is_refused(
     scipy.io.mmwrite(tmp_path / "M.mtx", sp.tril(body.M), symmetry="general")
     assert main(["import", str(file), "-o", str(tmp_path / "arm.vtkhdf"), "--quiet"]) == 2
     assert "mass: holds its lower triangle only" in capsys.readouterr().err
+    scipy.io.mmwrite(tmp_path / "M.mtx", body.M, symmetry="general")
+    text = (tmp_path / "M.mtx").read_text().replace("general", "symmetric", 1)
+    (tmp_path / "M.mtx").write_text(text)
+    assert main(["import", str(file), "-o", str(tmp_path / "arm.vtkhdf"), "--quiet"]) == 2
+    assert "M.mtx: symmetric: expected one triangle" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

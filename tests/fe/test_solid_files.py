@@ -28,7 +28,7 @@ from samples.solid_samples import (
 
 from plymotion.preprocess.fenicsx import MeshError, gmsh_alone, gmsh_session
 from plymotion.preprocess.solid import solid_mesh
-from plymotion.preprocess.solid.model import SolidModel
+from plymotion.preprocess.solid.model import Curve, SolidModel
 from plymotion.preprocess.solid.solid_analysis import free_hertz
 from plymotion.preprocess.solid.solid_mesh import SolidError
 
@@ -256,6 +256,19 @@ def test_axes_along_a_curve_are_its_tangents(tmp_path: Path) -> None:
         SolidError, match=r"axis_along.at = \"rim\": the mesh has no physical curve"
     ):
         model_of(file, 0.012, WOUND, region={"axis_along": {"at": "rim"}, **NORMAL})
+
+
+def test_pieces_of_a_curve_have_no_direction() -> None:
+    """Two curves of a mesh that run towards each other, and a curve that turns back."""
+    angle = np.linspace(0.0, np.pi, 21)
+    ring = np.stack([np.cos(angle), np.sin(angle), 0.0 * angle], axis=1)
+    pieces = np.stack([ring[:-1], ring[1:]], axis=1)
+    turned = np.concatenate([pieces[:10], pieces[10:, ::-1]])
+    x = np.random.default_rng(1).normal(size=(50, 3))
+    one, other = (Curve(each).tangents(x) for each in (pieces, turned))
+    np.testing.assert_allclose(np.abs((one * other).sum(axis=1)), 1.0, rtol=1e-12)
+    back = Curve(np.array([[[0, 0, 0], [1, 0, 0]], [[1, 0, 0], [0, 0, 0]]], dtype=float))
+    np.testing.assert_array_equal(np.abs(back.tangents(x)[:, 0]), 1.0)
 
 
 BORE = {"radius": 0.006, "point": [0.085, 0.02, 0.0], "direction": [0.0, 0.0, 2.0]}

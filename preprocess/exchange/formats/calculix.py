@@ -17,7 +17,7 @@ import scipy.sparse as sp
 from ....solver.errors import InputError
 from ....solver.math.arrays import Array, IntArray
 from ..free_body import Cells, FreeBody, ModalBody, free_body, rows_of
-from ..import_table import Files, text_lines
+from ..import_table import Files, fortran_number, text_lines
 from ..imported_interfaces import SHARES, face_area
 
 # Type without its suffixes -> VTK type and number of nodes. The order of the nodes is that of VTK.
@@ -89,15 +89,16 @@ def _cards(file: Path, depth: int) -> Iterator[tuple[str, dict[str, str], list[l
     """Keyword, its parameters, and its lines of data, split at commas."""
     if depth > DEEPEST:
         raise InputError(f"{file}: *INCLUDE goes round in a circle")
-    keyword, options, rows = "", dict[str, str](), list[list[str]]()
+    keyword, options, rows, text = "", dict[str, str](), list[list[str]](), ""
     for line in text_lines(file):
-        text = line.strip()
-        if not text or text.startswith("**"):
+        if not line.strip() or line.strip().startswith("**"):
             continue
+        goes_on = text.startswith("*") and text.endswith(",")
+        text = (text if goes_on else "") + line.strip()
         if not text.startswith("*"):
             rows.append([part.strip() for part in text.split(",")])
             continue
-        if keyword:
+        if keyword and not goes_on:
             yield keyword, options, rows
         words = [word.strip() for word in text[1:].split(",")]
         keyword, rows = words[0].upper(), []
@@ -115,9 +116,11 @@ def _cards(file: Path, depth: int) -> Iterator[tuple[str, dict[str, str], list[l
 
 def _nodes(deck: Deck, options: dict[str, str], lines: list[list[str]]) -> None:
     first = len(deck.labels)
+    if options.get("SYSTEM", "R").upper() != "R":
+        raise InputError(f"{deck.file}: *NODE, SYSTEM={options['SYSTEM']}: expected x, y, z")
     for row in lines:
         try:
-            label, point = int(row[0]), [float(part or 0.0) for part in row[1:4]]
+            label, point = int(row[0]), [fortran_number(part or "0") for part in row[1:4]]
         except ValueError as error:
             raise InputError(f"{deck.file}: *NODE: {', '.join(row)}: {error}") from error
         deck.labels.append(label)
@@ -261,7 +264,7 @@ def _modes(path: Path, row_of: dict[int, int]) -> tuple[Array, Array]:
             inside = mode and line[5:13].strip() == "DISP"
             if inside:
                 hertz.append(value)
-                shapes.append(np.zeros((len(row_of), 6)))
+                shapes.append(np.full((len(row_of), 6), [np.nan] * 3 + [0.0] * 3))
         elif line.startswith(" -3"):
             inside = False
         elif inside and line.startswith(" -1"):

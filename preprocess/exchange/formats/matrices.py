@@ -68,6 +68,8 @@ def _matrix(path: Path) -> sp.csr_matrix:
         if (at != np.floor(at)).any() or at.min() < 0 or (at >= [[n], [m]]).any():
             raise InputError(f"{path}: expected rows from 1 to {n} and columns from 1 to {m}")
         i, j = at.astype(np.int64)
+        if symmetric and (i > j).any() and (i < j).any():
+            raise InputError(f"{path}: symmetric: expected one triangle, found entries of both")
     elif symmetric:
         j, i = np.triu_indices(n)  # the lower triangle, column by column
     else:
@@ -131,7 +133,7 @@ def table_rows(path: Path, columns: str) -> list[tuple[int, list[str]]]:
         text = line.split("#")[0].replace(";", ",").strip()
         if text:
             rows.append((number, [part.strip() for part in text.split(",")]))
-    if rows and not rows[0][1][0].lstrip("+-").isdecimal():
+    if rows and not rows[0][1][0].lstrip("+-.")[:1].isdecimal():
         rows = rows[1:]
     if not rows:
         raise InputError(f"{path}: no line with the columns {columns}")

@@ -126,7 +126,8 @@ def read(files: Files) -> ModalBody:
                 raise InputError(f"{path}: no field {name!r} of the modes{hint}")
             steps = list(file[f"CHA/{name}"].values())
             hertz = np.array([float(step.attrs["PDT"]) for step in steps])
-            parts = [next(iter(step["NOE"].values()))["CO"][()] for step in steps]
+            parts = [step[f"NOE/{NO_PROFILE}/CO"][()] for step in steps]
+            listed = file[f"CHA/{name}"].attrs["NOM"].decode()
             cells = _read_cells(mesh["MAI"])
     except (OSError, KeyError, ValueError) as error:
         raise InputError(
@@ -136,9 +137,16 @@ def read(files: Files) -> ModalBody:
     if len(sizes) != 1 or not sizes <= {3, 6}:
         raise InputError(f"{path}: field {name!r}: expected 3 or 6 components at every node")
     (size,) = sizes
+    components = listed.split()
+    if components and (len(components) != size or not set(components) <= set(COMPONENTS)):
+        raise InputError(
+            f"{path}: field {name!r} has {' '.join(components)}; expected 3 or 6 components of "
+            f"{' '.join(COMPONENTS)} at every node"
+        )
+    columns = [COMPONENTS.index(part) for part in components] or range(size)
     shapes = np.zeros((len(parts), len(nodes), 6))
     for shape, part in zip(shapes, parts, strict=True):
-        shape[:, :size] = part.reshape(size, -1).T
+        shape[:, columns] = part.reshape(size, -1).T
     order = np.argsort(hertz, kind="stable")
     ids = np.asarray(ids, dtype=np.int64)
     return ModalBody(files.where, nodes, ids, cells, shapes[order], hertz[order], size == 6)

@@ -56,8 +56,16 @@ def modal_package(body: ModalBody, table: Reduction, files: Files) -> ModalPacka
         name: interface_rows(metres, entry, length, f"{body.where}: interfaces.{name}")
         for name, entry in table["interfaces"].items()
     }
+    needed = np.isin(np.arange(len(masses)), np.concatenate([*places.values(), []]))
+    needed |= masses[:, 0] > 0.0
+    lacking = np.flatnonzero(needed & np.isnan(body.shapes).any(axis=(0, 2)))
+    if len(lacking):
+        raise InputError(
+            f"{body.where}: node {body.node_ids[lacking[0]]} ({len(lacking)} such nodes) has no "
+            "displacement in a mode; expected one at every node with mass or of an interface"
+        )
     order = np.argsort(body.hertz, kind="stable")[:wanted]
-    hertz, shapes = body.hertz[order] / time, body.shapes[order].copy()
+    hertz, shapes = body.hertz[order] / time, np.nan_to_num(body.shapes[order])
     shapes[..., 3:] *= length  # a rotation per unit of the same shape
     if not hertz.min(initial=1.0) > 0.0:
         raise InputError(f"{body.where}: expected frequencies above 0, found {hertz.min():g} Hz")
@@ -122,6 +130,8 @@ def _masses(body: ModalBody, files: Files, length: float, mass: float) -> Array:
                 f"{path}:{number}: expected node, mass [, six inertias]; found {', '.join(row)}"
             )
         at = int(rows_of(np.array([label]), body.node_ids, f"{path}:{number}")[0])
+        if (masses[at] != 0.0).any():
+            raise InputError(f"{path}:{number}: node {label} has a line before this one, too")
         masses[at, : len(values)] = values
     if not (masses[:, 0] >= 0.0).all() or not masses[:, 0].sum() > 0.0:
         raise InputError(f"{path}: expected masses >= 0 with a sum > 0")

@@ -3,7 +3,6 @@
 Bulk data is read in small, large and free field format, with the laminates of PCOMP and PSHELL.
 """
 
-import re
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
@@ -15,7 +14,7 @@ from ....solver.errors import InputError
 from ....solver.math.arrays import Array, IntArray
 from ....solver.package.specification import PlyTable
 from ..free_body import DIRECTIONS, Cells, FreeBody, Layups, free_body, rows_of
-from ..import_table import Files, text_lines
+from ..import_table import Files, fortran_number, text_lines
 
 # Card -> number of nodes, from the third field on -> VTK type
 ELEMENTS = {
@@ -33,7 +32,6 @@ ELEMENTS = {
 # NASTRAN lists the nodes on vertical edges before those of the upper face, VTK after them.
 ORDER = {25: [*range(12), *range(16, 20), *range(12, 16)], 26: [*range(9), 12, 13, 14, 9, 10, 11]}
 Card = tuple[str, list[str]]  # name and fields
-EXPONENT = re.compile(r"(?<=[0-9.])([+-]\d+)$")
 DOUBLE = {1: "f4", 2: "f8"}  # type of the matrix -> its numbers; complex ones are refused
 HEADER = (24, 32)  # bytes: name of 8 characters, or two words of a 64-bit writer
 BIG = 65536  # a sparse matrix of as many rows has BIGMAT, as one with its number of rows below 0
@@ -89,7 +87,10 @@ def read_bulk_data(path: Path, cards: Sequence[Card]) -> tuple[IntArray, Array, 
 
 
 def bulk_cards(path: Path) -> Iterator[Card]:
-    """Name and fields of each card; continuation lines are joined."""
+    """Name and fields of each card; continuation lines are joined.
+
+    Raises InputError for INCLUDE, for replication, and for more than ten fields in a line.
+    """
     lines = [line.split("$")[0].rstrip() for line in text_lines(path)]
     begin = [i for i, line in enumerate(lines) if line.upper().startswith("BEGIN")]
     card, fields = "", list[str]()
@@ -97,6 +98,11 @@ def bulk_cards(path: Path) -> Iterator[Card]:
         if not line.strip():
             continue
         name, more = _fields(line.expandtabs())
+        if name[:1] == "=" or name.startswith("INCLUDE") or "".join(line.split(",")[10:]).strip():
+            raise InputError(
+                f"{path}: {line[:60]!r}: expected whole cards of at most ten fields a line, all in "
+                "this file, without INCLUDE and replication (=)"
+            )
         if name == "" or name[0] in "+*":
             fields += more
             continue
@@ -112,7 +118,8 @@ def bulk_cards(path: Path) -> Iterator[Card]:
 def _fields(line: str) -> tuple[str, list[str]]:
     if "," in line:
         words = [word.strip() for word in line.split(",")]
-        name, data = words[0], [*words[1:9], *[""] * (9 - len(words))]
+        name, count = words[0], 4 if "*" in words[0] else 8
+        data = [*words[1:], *[""] * count][:count]
     else:
         width, count = (16, 4) if "*" in line[:8] else (8, 8)
         data = [line[8 + width * k : 8 + width * (k + 1)].strip() for k in range(count)]
@@ -136,9 +143,8 @@ def real(text: str, path: Path, card: str) -> float:
     """
     if not text:
         return 0.0
-    number = text.upper().replace("D", "E")
     try:
-        return float(number if "E" in number else EXPONENT.sub(r"E\1", number))
+        return fortran_number(text)
     except ValueError as error:
         raise InputError(f"{path}: {card}: expected a number, found {text!r}") from error
 

@@ -10,7 +10,7 @@ from ....solver.math.arrays import Array
 from ....solver.package import ModalPackage
 from ....solver.package.common.files import write_text
 from ..free_body import Cells, ModalBody, rows_of
-from ..import_table import Files, text_lines
+from ..import_table import Files, fortran_number, text_lines
 from .modal import write_masses
 
 NORMAL_MODE, DISPLACEMENT, REAL = 2, 8, 2
@@ -29,12 +29,10 @@ def read(files: Files) -> ModalBody:
     for kind, lines in _datasets(path):
         if kind == 15:
             for line in lines:
-                if int(line[20:30]):
-                    raise InputError(f"{path}: node {line[:10].strip()}: expected global axes")
-                nodes[int(line[:10])] = _numbers(line[40:])
+                nodes[_global(path, line)] = _numbers(line[40:])
         elif kind == 2411:
             for head, data in zip(lines[::2], lines[1::2], strict=True):
-                nodes[int(head[:10])] = _numbers(data, 25)
+                nodes[_global(path, head)] = _numbers(data, 25)
         elif kind == 55:
             modes.append(_mode(path, lines))
     if not nodes or not modes:
@@ -48,11 +46,19 @@ def read(files: Files) -> ModalBody:
     for shape, mode in zip(shapes, modes, strict=True):
         rows = rows_of(np.array(list(mode[2]), dtype=np.int64), ids, str(path))
         values = np.array(list(mode[2].values()))
+        shape[:, : values.shape[1]] = np.nan  # of a node without values
         shape[rows, : values.shape[1]] = values
         widest = max(widest, values.shape[1])
     places, cells = np.array([nodes[int(i)] for i in ids]), Cells.points(len(ids))
     hertz, ratios = (np.array([mode[k] for mode in modes]) for k in (0, 1))
     return ModalBody(files.where, places, ids, cells, shapes, hertz, widest == 6, ratios)
+
+
+def _global(path: Path, line: str) -> int:
+    """Label of a node whose coordinates and displacements have global axes: number 0 or 1."""
+    if not {int(line[10:20]), int(line[20:30])} <= {0, 1}:
+        raise InputError(f"{path}: node {line[:10].strip()}: expected global axes")
+    return int(line[:10])
 
 
 def _datasets(path: Path) -> list[tuple[int, list[str]]]:
@@ -74,10 +80,11 @@ def _datasets(path: Path) -> list[tuple[int, list[str]]]:
 def _mode(path: Path, lines: list[str]) -> tuple[float, float, dict[int, list[float]]]:
     """Frequency [Hz], damping ratio, and values by label of a dataset 55."""
     _, analysis, _, quantity, kind, size = (int(word) for word in lines[5].split()[:6])
-    if analysis != NORMAL_MODE or quantity != DISPLACEMENT or kind != REAL:
+    if (analysis, quantity, kind) != (NORMAL_MODE, DISPLACEMENT, REAL) or size not in (3, 6):
         raise InputError(
-            f"{path}: dataset 55 with analysis {analysis}, quantity {quantity}, numbers {kind}; "
-            f"expected real displacements of normal modes ({NORMAL_MODE}, {DISPLACEMENT}, {REAL})"
+            f"{path}: dataset 55 with analysis {analysis}, quantity {quantity}, numbers {kind}, "
+            f"{size} at a node; expected real displacements of normal modes "
+            f"({NORMAL_MODE}, {DISPLACEMENT}, {REAL}), 3 or 6 at a node"
         )
     hertz, _, ratio, _ = _numbers(lines[7])[:4]
     data, k = dict[int, list[float]](), 8
@@ -96,9 +103,9 @@ def _numbers(line: str, width: int = 13) -> list[float]:
     words = line.split()
     fixed = [line[i : i + width].strip() for i in range(0, len(line.rstrip()), width)]
     try:
-        return [float(word.replace("D", "E")) for word in (words if len(words) > 1 else fixed)]
+        return [fortran_number(word) for word in (words if len(words) > 1 else fixed)]
     except ValueError:
-        return [float(word.replace("D", "E")) for word in fixed if word]
+        return [fortran_number(word) for word in fixed if word]
 
 
 SUFFIX = ".uff"

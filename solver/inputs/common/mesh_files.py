@@ -37,7 +37,9 @@ _NAME = re.compile(rb'^\s*(\d+)\s+(\d+)\s+"(.*)"\s*$', re.MULTILINE)
 _GEO = re.compile(r'^\s*(?:Merge|Include)\s+"([^"]+)"', re.MULTILINE)
 _PY = re.compile(r"""["']([\w./-]+\.(?:py|geo|dat|csv|txt|json|toml|msh|step|stp))["']""")
 _IMPORT = re.compile(r"^\s*(?:from\s+\.?(\w+)\s+import|import\s+(.+))", re.MULTILINE)
-_OTHER = {".geo": _GEO, ".pro": _GEO, ".py": _PY}  # how a script names the files that it reads
+_INP = re.compile(r"^\s*\*INCLUDE\b.*INPUT\s*=\s*\"?([^\s\",]+)", re.MULTILINE | re.IGNORECASE)
+# How a file names the files that it reads.
+_OTHER = {".geo": _GEO, ".pro": _GEO, ".py": _PY, ".inp": _INP}
 
 
 def library(folder: str) -> Path:

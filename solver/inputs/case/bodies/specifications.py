@@ -76,8 +76,9 @@ def _files(table: Mapping[str, Any], file: Path, key: str) -> dict[str, Path]:
             raise InputError(f"{key}: files.{word} = {name!r}: no such file{hint}")
         files[name] = path
         if word == "deck":
-            beside = [path.with_suffix(suffix) for suffix in (".sti", ".mas", ".dof")]
-            files |= {item.name: item for item in beside if item.is_file()}
+            beside = [path.with_suffix(each) for each in (".sti", ".mas", ".dof", ".frd")]
+            read = [*files_read(path), *(item for item in beside if item.is_file())]
+            files |= {os.path.relpath(item, file.parent): item for item in read}
     return files
 
 
