@@ -45,7 +45,7 @@ from ..results.codes import (
     Finding,
 )
 from ..strength.found import BodyStrength, failure_text
-from ..strength.shell_bodies import body_search
+from ..strength.weakest_plies import body_search
 from .finished import FinishedRun
 
 if TYPE_CHECKING:

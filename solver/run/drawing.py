@@ -36,9 +36,8 @@ from ..results.surfaces import (
     uniform_box,
     with_spheres,
 )
-from ..strength.beam_bodies import unit_stress_M
 from ..strength.search import Points, governing_points
-from ..strength.shell_bodies import cell_centres, stressed_cells
+from ..strength.weakest_plies import cell_centres, stressed_cells, unit_stress_M
 
 if TYPE_CHECKING:
     from ..inputs.case.tables.schema import Mechanism

@@ -25,8 +25,8 @@ from ..mechanism.built import BuiltMechanism
 from ..package import ModalPackage
 from ..package.body.package_schema import BodyRecovery
 from ..package.common.recovery_schema import RESULTANTS, STRESSES, Ply, SectionRecovery
-from ..strength.beam_bodies import unit_stress_M
 from ..strength.fatigue import StressLife, check_rainflow
+from ..strength.weakest_plies import unit_stress_M
 
 if TYPE_CHECKING:
     from ..inputs.case.tables.signals import PlyStressSignal, ResultantSignal

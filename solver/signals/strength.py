@@ -11,9 +11,8 @@ from ..math.arrays import Array, IntArray
 from ..package import ModalPackage
 from ..package.body.package_schema import CellResultants, LaminateData
 from ..package.common.recovery_schema import SectionRecovery
-from ..strength.beam_bodies import material_searches
 from ..strength.search import Place, envelope, exposures_at
-from ..strength.shell_bodies import cell_centres, ply_searches, stressed_cells
+from ..strength.weakest_plies import cell_centres, material_searches, ply_searches, stressed_cells
 from .sections import resultants_at
 
 if TYPE_CHECKING:

@@ -22,7 +22,7 @@ from plymotion.solver.report.story import Story, comparisons
 from plymotion.solver.results import RunResult, Signal, read_result, write_result, write_summary
 from plymotion.solver.results.run_result import BodyView, Sites, Surface
 from plymotion.solver.strength import criteria_of
-from plymotion.solver.strength.beam_bodies import resultants, unit_stress_M
+from plymotion.solver.strength.weakest_plies import resultants, unit_stress_M
 
 pytest.importorskip("matplotlib")
 

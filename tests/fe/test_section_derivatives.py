@@ -23,7 +23,7 @@ from plymotion.solver.package.common.design import moved
 from plymotion.solver.package.common.materials import PlyStrength
 from plymotion.solver.package.section.section_schema import SectionFile
 from plymotion.solver.strength import criteria_of
-from plymotion.solver.strength.beam_bodies import unit_stress_M
+from plymotion.solver.strength.weakest_plies import unit_stress_M
 
 PLY = {
     "kind": "orthotropic",

@@ -14,13 +14,13 @@ from samples.shell_specs import CFRP, box, plate
 
 from plymotion.preprocess.body import build_body
 from plymotion.preprocess.shell.analyses.shell_analysis import analyse
-from plymotion.preprocess.shell.body.shell_stations import mass_stations
+from plymotion.preprocess.shell.body.interfaces import mass_stations
 from plymotion.preprocess.shell.model.shell_problem import ShellProblem
 from plymotion.preprocess.shell.shell_cells import ShellError
 from plymotion.solver.package import validate, write_package
 from plymotion.solver.package.common.cells import corner_counts
 from plymotion.solver.package.shell.shell_file import read_shell, write_shell
-from plymotion.solver.strength.shell_bodies import cell_centres
+from plymotion.solver.strength.weakest_plies import cell_centres
 
 Record = Callable[[str, Any], None]
 QUADS = {"element": "quadrilateral"}

@@ -10,9 +10,8 @@ from samples.shell_specs import SCRIPTS, plate
 
 from plymotion.preprocess.fenicsx import NamedNodes, PlainMesh
 from plymotion.preprocess.shell.analyses.shell_analysis import analyse
-from plymotion.preprocess.shell.refinement import split
 from plymotion.preprocess.shell.shell_cells import ShellError, ShellMesh
-from plymotion.preprocess.shell.shell_mesh import mesh_of, shell_mesh
+from plymotion.preprocess.shell.shell_mesh import mesh_of, shell_mesh, split
 from plymotion.solver.package.common import cells as tables
 from plymotion.solver.package.common.cells import NONE
 

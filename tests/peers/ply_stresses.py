@@ -5,9 +5,8 @@ import numpy as np
 from plymotion.solver.math.arrays import Array
 from plymotion.solver.package import ModalPackage
 from plymotion.solver.package.shell.shell_schema import ShellFile
-from plymotion.solver.strength.beam_bodies import resultants, unit_stress_M
 from plymotion.solver.strength.found import BodyStrength
-from plymotion.solver.strength.shell_bodies import body_search
+from plymotion.solver.strength.weakest_plies import body_search, resultants, unit_stress_M
 
 
 def body_strength(package: ModalPackage, t: Array, q: Array) -> BodyStrength | None:

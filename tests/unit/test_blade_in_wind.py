@@ -19,9 +19,8 @@ from scipy.integrate import solve_ivp
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.errors import InputError
-from plymotion.solver.extras.blade.aerodynamics import ANGLES as GRID
-from plymotion.solver.extras.blade.aerodynamics import strips
-from plymotion.solver.extras.blade.operation import WINDS, write_rotor
+from plymotion.solver.extras.blade.operation import ANGLES as GRID
+from plymotion.solver.extras.blade.operation import WINDS, strips, write_rotor
 from plymotion.solver.extras.blade.stations import line_of
 from plymotion.solver.extras.blade.tables import Tables
 from plymotion.solver.extras.blade.turbine import write_turbine

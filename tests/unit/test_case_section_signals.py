@@ -12,7 +12,7 @@ from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.mechanism.build import build
 from plymotion.solver.run.execution import read_run
 from plymotion.solver.signals import Recording, sensors
-from plymotion.solver.strength.beam_bodies import resultants
+from plymotion.solver.strength.weakest_plies import resultants
 
 TEXT = """
 [bodies.arm]

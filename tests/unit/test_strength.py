@@ -18,7 +18,6 @@ from plymotion.solver.package.common.materials import (
     read_strength,
 )
 from plymotion.solver.strength import CRITERIA, Criterion, criteria_of
-from plymotion.solver.strength.beam_bodies import BeamSearch
 from plymotion.solver.strength.criteria.contract import exposure
 from plymotion.solver.strength.criteria.hashin import hashin
 from plymotion.solver.strength.criteria.max_stress import max_stress
@@ -26,6 +25,7 @@ from plymotion.solver.strength.criteria.tsai_hill import tsai_hill
 from plymotion.solver.strength.criteria.tsai_wu import tsai_wu
 from plymotion.solver.strength.criteria.von_mises import von_mises
 from plymotion.solver.strength.search import Highest, PeakSearch
+from plymotion.solver.strength.weakest_plies import BeamSearch
 
 MPa = 1e6
 # Graphite/epoxy of A. K. Kaw, Mechanics of Composite Materials, 2nd ed., Table 2.1.

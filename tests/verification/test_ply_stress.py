@@ -28,7 +28,7 @@ from plymotion.solver.package import ModalPackage, SectionData, validate, write_
 from plymotion.solver.package.common.recovery_schema import SectionRecovery
 from plymotion.solver.package.section.stress import strengths
 from plymotion.solver.strength import criteria_of
-from plymotion.solver.strength.beam_bodies import resultants
+from plymotion.solver.strength.weakest_plies import resultants
 
 LENGTH, WIDTH, HEIGHT = 0.5, 0.02, 0.05
 E, NU, RHO = STEEL["E"], STEEL["nu"], STEEL["rho"]

@@ -24,8 +24,8 @@ from ....solver.package.common.cells import NONE, corner_counts
 from ... import fenicsx
 from ..model.freedom import Freedom
 from ..model.shell_problem import ShellProblem
-from ..refinement import split
 from ..shell_cells import DOFS, ShellError, ShellMesh
+from ..shell_mesh import split
 from .buckling import LoadFactors, Stressed
 from .cases import solve_cases
 

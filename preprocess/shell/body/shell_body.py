@@ -28,10 +28,16 @@ from ...provenance import body_provenance
 from ..model.regions import cell_axes
 from ..model.shell_problem import ShellProblem
 from ..model.states import interface_warnings, warped_warnings
-from .interfaces import ShellBodySpec, interfaces, node_shapes, places, read_shell_body
+from .interfaces import (
+    ShellBodySpec,
+    interfaces,
+    mass_stations,
+    node_shapes,
+    places,
+    read_shell_body,
+)
 from .second_order import Near, second_order_columns, second_order_fields
 from .shell_reduction import ShellModel, eigen_solver
-from .shell_stations import mass_stations
 from .stiffness_rates import not_linear, stiffness_rates
 
 

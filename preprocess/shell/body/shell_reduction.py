@@ -18,8 +18,7 @@ from ..analyses.frequencies import TOLERANCE
 from ..model.links import Link
 from ..model.shell_problem import ShellProblem
 from ..shell_cells import DOFS
-from .interfaces import SAME_PLACE, ShellBodySpec
-from .shell_stations import nodal_mass
+from .interfaces import SAME_PLACE, ShellBodySpec, nodal_mass
 
 ALONG = 1e-6  # sine of the angle between a chord and the x axis
 

@@ -16,9 +16,8 @@ from ...math.arrays import Array
 from ...math.rotations import matrix_to_vector, vector_to_matrix
 from ...package.common.files import write_text
 from ...package.common.plain_data import toml_value
-from .aerodynamics import Strip
 from .materials import Materials
-from .operation import DENSE, Point, RigidRotor, Turbine, blade_axes
+from .operation import DENSE, Point, RigidRotor, Strip, Turbine, blade_axes
 from .stations import Station, complete, elements_of, line_of
 from .tables import Table, Tables
 from .windio import Blade, turbine_table
