@@ -226,8 +226,9 @@ def test_joints_that_mimic_others(tmp_path: Path) -> None:
             '<parent link="slider"/><child link="bare"/></joint>',
             r"<link bare>: moves without inertia; expected <inertial> with a mass",
         ),
-        ('<mass value="0.8"/>', '<mass value="800"/>', r"<link slider>: 800 kg .* denser than"),
-        ('<mass value="2"/>', '<mass value="2000"/>', r":4: <link base>: 2000 kg .* kg and kg m2"),
+        ('<mass value="0.8"/>', '<mass value="800"/>', r"<link slider>: 800 kg .* has .* kg/m3"),
+        ('<mass value="2"/>', '<mass value="2000"/>', r":4: <link base>: 2000 kg .* m and kg m2"),
+        ('<mass value="0.8"/>', '<mass value="0_8"/>', r'<mass value>: "0_8"; expected a number'),
         ('xyz="0 0.05 0.1"', 'xyz="0 50 0"', r"<link slider>: radius of gyration 0.061\d? m .*kg"),
         (
             '<mass value="0.8"/>',
@@ -334,6 +335,26 @@ def test_broken_files(
     assert text.startswith(f"error: {file}:"), text
     assert re.search(message, text), text
     assert not out.exists()
+
+
+@pytest.mark.parametrize(("mass", "length"), [(1e3, 1.0), (1.0, 200.0)])
+def test_all_in_other_units(tmp_path: Path, mass: float, length: float) -> None:
+    """In g (and g m2), or in units of 5 mm: each ratio of a link is that of a robot."""
+
+    def scaled(text: str, pattern: str, factor: float) -> str:
+        def numbers(found: re.Match[str]) -> str:
+            words = (f"{factor * float(word):.9g}" for word in found[2].split())
+            return found[1] + " ".join(words)
+
+        return re.sub(pattern, numbers, text)
+
+    text = scaled(ARM, r'( i[xyz]{2}=")([^"]*)', mass * length**2)
+    text = scaled(scaled(text, r'( xyz=")([^"]*)', length), r'(<mass value=")([^"]*)', mass)
+    (tmp_path / "arm.urdf").write_text(text)
+    robot = read_urdf(tmp_path / "arm.urdf")
+    with pytest.raises(InputError, match=r"^\S+:\d+: <link .*kg/m3; expected kg, m and kg m2, or"):
+        robot_case(robot)
+    assert robot_case(robot, allow=["units"]).bodies
 
 
 def test_names_that_clash(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -19,7 +19,7 @@ from ...dynamics.elements.forces.limit_stop import LIMIT_STOP
 from ...errors import InputError, nearest, refuse
 from ...math.arrays import Array
 from ...math.rotations import matrix_to_vector
-from ..tolerances import CLEAR, DEGREES, DENSE, LONG, MANY_TURNS, SLIM, WIDE
+from ..tolerances import CLEAR, DEGREES, DENSE, LIGHT, LONG, MANY_TURNS, SLIM, WIDE
 from .urdf import HERE, Inertia, Pose, Robot, Type, UrdfJoint, about
 
 Tables = dict[str, Any]
@@ -192,19 +192,25 @@ def _degrees(robot: Robot) -> list[str]:
 
 
 def _dense(robot: Robot) -> list[str]:
-    """Return a line for each link that is denser than any matter: its mass is in g."""
-    lines = []
+    """Return a line if half of the mass of a robot is denser or lighter than robots are."""
+    found = []
     for link in robot.links.values():
         mass, trace = link.inertia.mass, float(np.trace(link.inertia.about_centre))
-        if min(mass, trace) <= 0.0:
-            continue
-        # Of all solids with this mass and density, a ball has the least moments, 0.4 m r^2 each.
-        volume = 4.0 / 3.0 * np.pi * (trace / (1.2 * mass)) ** 1.5
-        if mass > DENSE * volume > 0.0:
-            text = f"{mass:g} kg with moments of {trace:.3g} kg m2 in all: denser than {DENSE:g}"
-            text += " kg/m3; expected kg and kg m2, or --allow units"
-            lines.append(f"{robot.file}:{link.line}: <link {link.name}>: {text}")
-    return lines
+        if min(mass, trace) > 0.0:
+            # Of all solids with this mass and density, a ball has the least moments, 0.4 m r^2.
+            volume = 4.0 / 3.0 * np.pi * (trace / (1.2 * mass)) ** 1.5
+            found.append((mass / max(volume, 1e-300), mass, trace, link))
+    found.sort(key=lambda each: each[0])
+    half = 0.5 * sum(mass for _, mass, *_ in found)
+    for density, mass, trace, link in found:
+        half -= mass
+        if half <= 0.0 and not LIGHT <= density <= DENSE:
+            text = f"{mass:g} kg with moments of {trace:.3g} kg m2 in all: a ball with these has "
+            text += f"{density:.3g} kg/m3; expected kg, m and kg m2, or --allow units"
+            return [f"{robot.file}:{link.line}: <link {link.name}>: {text}"]
+        if half <= 0.0:
+            break
+    return []
 
 
 def _without_inertia(

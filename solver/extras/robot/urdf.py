@@ -335,7 +335,8 @@ class _Reader:
             return np.array(default)
         words = (text or "").split()
         try:
-            values = [float(word) for word in words]
+            # 1_0 and digits of other scripts are numbers in Python only
+            values = [float(w if w.isascii() and "_" not in w else "") for w in words]
         except ValueError:
             values = []
         if len(values) != count or not all(map(math.isfinite, values)):
