@@ -266,6 +266,7 @@ class Kept(NamedTuple):
     turns: Any
     prepared: Prepared
     owner: "Stepper"
+    last: "Moved | None"  # which led here; of no use to the steps to come, but to derivatives
 
 
 class Moved(NamedTuple):
@@ -409,7 +410,8 @@ class Stepper:
             The run cannot go on; the message says why. `t` and `y` are those of its last step.
         """
         if self._retraces:
-            self.last = Moved(self.kept(), t, values.copy(), rates, to_event)
+            before = self.kept()._replace(last=None)  # no chain of all steps
+            self.last = Moved(before, t, values.copy(), rates, to_event)
         taken = self._integrator.counters.steps if self._integrator is not None else 0
         watched = self._moves % self._every == 0 or taken - self._looked >= UNSEEN
         if watched:
@@ -419,8 +421,8 @@ class Stepper:
 
     def retraced(self, watch: Watch) -> None:
         """Take the last communication step again, with stages for `watch`; come out as before."""
-        assert self.last is not None
         end, last = self.kept(), self.last
+        assert last is not None
         self.restore(last.before)
         self._move(last.t, last.values, last.rates, watch, to_event=last.to_event, stages=True)
         self.restore(end)
@@ -461,6 +463,7 @@ class Stepper:
             self.prepared.turns.mark(),
             self.prepared,
             self,
+            self.last,
         )
 
     def restore(self, kept: Kept) -> None:
@@ -478,7 +481,7 @@ class Stepper:
         prepared = self.prepared
         for array, values in zip(self._laws(), kept.laws, strict=True):
             array[...] = values
-        self.t, self.y = kept.t, kept.y.copy()
+        self.t, self.y, self.last = kept.t, kept.y.copy(), kept.last
         self._courses = [course.copy() for course in kept.courses]
         self._memory = dict(kept.memory)
         prepared.turns.go_back(kept.turns)

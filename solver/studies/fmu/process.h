@@ -52,7 +52,7 @@ typedef struct Instance {
 
 typedef struct {                              /* a state of an instance; the solver has the rest */
     double number, t0, t;
-    int state, stale;
+    int state, stale, jumped;
     int32_t parameter[N_PARAMETER];
     double numbers[];                         /* in, rates, out */
 } Saved;
@@ -378,7 +378,8 @@ static int save(Instance *a, const char *function, void **state)
     int status = answer(a, &number, 1);
     if (status <= STATUS_WARNING && !s) s = calloc(1, sizeof *s + (count + 1) * sizeof(double));
     if (status <= STATUS_WARNING && s) {
-        s->number = *number, s->t0 = a->t0, s->t = a->t, s->state = a->state, s->stale = a->stale;
+        s->number = *number, s->t0 = a->t0, s->t = a->t, s->state = a->state;
+        s->stale = a->stale, s->jumped = a->jumped;
         memcpy(s->parameter, a->parameter, sizeof s->parameter);
         memcpy(s->numbers, a->in, (size_t)a->n_in * sizeof(double));
         memcpy(s->numbers + a->n_in, a->rates, 2 * (size_t)a->n_in * sizeof(double));
@@ -397,7 +398,8 @@ static int restore(Instance *a, const char *function, void *state)
     double none, *nothing = &none;
     int status = answer(a, &nothing, 0);
     if (status > STATUS_WARNING) return status;
-    a->t0 = s->t0, a->t = s->t, a->state = s->state, a->stale = s->stale;
+    a->t0 = s->t0, a->t = s->t, a->state = s->state;
+    a->stale = s->stale, a->jumped = s->jumped;
     memcpy(a->parameter, s->parameter, sizeof s->parameter);
     memcpy(a->in, s->numbers, (size_t)a->n_in * sizeof(double));
     memcpy(a->rates, s->numbers + a->n_in, 2 * (size_t)a->n_in * sizeof(double));
