@@ -94,7 +94,7 @@ class Simulation:
         >>> sim.t
         0.001
         """
-        if not dt > 0.0:
+        if not 0.0 < dt < np.inf:
             raise InputError(f"step({dt!r}): expected a time above 0 [s]")
         if inputs is not None:
             self._take(inputs)

@@ -368,7 +368,10 @@ class StepLoop(StrideMemory):
             t_end = float(max(near, default=t_end))
         self.t_end, self.status, self.message = t_end, "running", ""
         self._set_instants()
-        self._workspace.clock[codes.END] = self.t
+        clock = self._workspace.clock
+        clock[codes.END] = self.t
+        # The last step may have been a rounding error up to the end: not the size to go on with.
+        clock[codes.NEXT] = max(clock[codes.NEXT], 10.0 * self._smallest_step())
 
     def _set_instants(self) -> None:
         """Find when controllers act; the loop samples by itself what needs neither Python nor look.

@@ -409,6 +409,8 @@ class Stepper:
         InputError
             The run cannot go on; the message says why. `t` and `y` are those of its last step.
         """
+        if t <= self.t:  # a step below the spacing of numbers there
+            return False
         if self._retraces:
             before = self.kept()._replace(last=None)  # no chain of all steps
             self.last = Moved(before, t, values.copy(), rates, to_event)

@@ -65,6 +65,20 @@ def test_steps_are_those_of_a_run(folder: Path, arm: pm.Simulation) -> None:
     assert arm.warnings == []
 
 
+@pytest.mark.parametrize("dt", [1e-18, 1e-16, 2e-15])
+def test_steps_of_a_rounding_error(arm: pm.Simulation, dt: float) -> None:
+    """What is left of an interval: below the spacing of numbers, or of the smallest step."""
+    ends = []
+    arm.step(0.05)
+    state = arm.state
+    for steps in ((0.01,), (dt, 0.01)):
+        arm.state = state
+        for each in steps:
+            arm.step(each)
+        ends.append(arm.q)
+    assert np.abs(ends[1] - ends[0]).max() < 1e-6 * np.abs(ends[0]).max()
+
+
 def test_equations_at_a_state(arm: pm.Simulation) -> None:
     """M qdd + c = 0 gives the accelerations of the motion; c has the torques of the motors."""
     arm.place([0.4, 0.1, -0.3], [0.5, -0.2, 1.0])
@@ -140,8 +154,9 @@ def test_what_is_refused(arm: pm.Simulation, folder: Path) -> None:
     with pytest.raises(pm.InputError, match="expected finite numbers"):
         arm.step(1e-3, [np.nan, 0.0])
     arm.reset([0.0, 0.0])
-    with pytest.raises(pm.InputError, match=r"expected a time above 0"):
-        arm.step(0.0)
+    for dt in (0.0, np.inf):
+        with pytest.raises(pm.InputError, match=r"expected a time above 0"):
+            arm.step(dt)
     with pytest.raises(pm.InputError, match=r"no place 'wrist\.top'; did you mean 'wrist\.tip'"):
         arm.jacobian("wrist.top")
     with pytest.raises(pm.InputError, match=r"place: 4 values; expected at most 3"):

@@ -88,7 +88,9 @@ static int transfer(Instance *a, char *data, size_t size, int sends)
 static int lost(Instance *a)
 {
     a->state = FAILED;
-    return tell(a, STATUS_ERROR, "the process of the solver has ended");
+    return tell(a, STATUS_ERROR, a->start ? "the process of the solver has ended"
+        : "the process of the solver has ended; expected a Python with plymotion: set "
+          "PLYMOTION_PYTHON");
 }
 
 /* Take one answer: status, length of a text, count of numbers; numbers go to *into, made if null. */
@@ -351,7 +353,7 @@ static int move(Instance *a, const char *function, double t, double h, int *earl
     *early = 0;
     if (a->state != STEPPING) return refuse(a, function, "called out of turn");
     if (!(h > 0.0) || !isfinite(h)) return refuse(a, function, "step size: expected above 0 s");
-    if (fabs(t - a->t) > NEAR * (h + fabs(t)))
+    if (!(fabs(t - a->t) <= NEAR * (h + fabs(t)))) /* nan: the solver would never end */
         return refuse(a, function, "expected to go on from where the last step has ended");
     double to[2] = {t + h - a->t0, (a->stops ? TO_EVENT : 0) + (a->jumped ? JUMPED : 0)};
     if (!request(a, STEP, to, 2, a->n_in, 2 * a->n_in)) return lost(a);
