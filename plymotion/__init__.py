@@ -19,45 +19,27 @@ from importlib.machinery import PathFinder as _PathFinder
 
 __version__ = "0.1.0"
 
-# Public name -> module of this folder; __init__.pyi tells their types.
-_PUBLIC = {
-    "Campbell": "api.modes",
-    "Blade": "api.blade",
-    "Case": "api.case",
-    "InputError": "solver.errors",
-    "Modes": "api.modes",
-    "Optimum": "api.optimising",
-    "Package": "api.bodies",
-    "PackageError": "solver.errors",
-    "Result": "api.result",
-    "Section": "api.section",
-    "Sensitivities": "api.sensitivities",
-    "Shell": "api.bodies",
-    "Signal": "api.signal",
-    "Simulation": "api.simulation",
-    "Solid": "api.bodies",
-    "Sweep": "api.sweeping",
-    "Plan": "api.planning",
-    "campbell": "api.modes",
-    "export": "api.bodies",
-    "import_body": "api.bodies",
-    "info": "api.bodies",
-    "blade": "api.blade",
-    "load": "api.case",
-    "modes": "api.modes",
-    "norm": "api.signal",
-    "openmdao_component": "api.component",
-    "optimise": "api.optimising",
-    "plan": "api.planning",
-    "run": "api.result",
-    "section": "api.section",
-    "sensitivities": "api.sensitivities",
-    "shell": "api.bodies",
-    "simulate": "api.simulation",
-    "solid": "api.bodies",
-    "sweep": "api.sweeping",
-    "validate": "api.bodies",
+# Module of this folder -> public names; __init__.pyi tells their types.
+_NAMES = {
+    "api.bodies": (
+        *("Package", "Shell", "Solid", "export", "import_body", "info", "shell", "solid"),
+        "validate",
+    ),
+    "api.blade": ("Blade", "blade"),
+    "api.case": ("Case", "load"),
+    "api.component": ("openmdao_component",),
+    "api.modes": ("Campbell", "Modes", "campbell", "modes"),
+    "api.optimising": ("Optimum", "optimise"),
+    "api.planning": ("Plan", "plan"),
+    "api.result": ("Result", "run"),
+    "api.section": ("Section", "section"),
+    "api.sensitivities": ("Sensitivities", "sensitivities"),
+    "api.signal": ("Signal", "norm"),
+    "api.simulation": ("Simulation", "simulate"),
+    "api.sweeping": ("Sweep", "sweep"),
+    "solver.errors": ("InputError", "PackageError"),
 }
+_PUBLIC = {name: module for module, names in _NAMES.items() for name in names}
 __all__ = sorted([*_PUBLIC, "__version__"])
 
 

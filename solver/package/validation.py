@@ -22,8 +22,6 @@ from .common.object_file import (
 )
 from .section.section_file import SECTION_FILE
 
-__all__ = ["Remark", "validate", "write_valid"]
-
 # Where a dataset of a package comes from.
 PARTS = {
     "modes/mass": "its mass: ",

@@ -11,20 +11,3 @@ from .run_result import (
     relative_balance,
 )
 from .summary import Summary, read_summary, signal_summary, write_summary
-
-__all__ = [
-    "BodyGeometry",
-    "Derivative",
-    "ResultError",
-    "RunResult",
-    "Signal",
-    "Summary",
-    "energy_in_play",
-    "read_result",
-    "read_summary",
-    "relative_balance",
-    "signal_summary",
-    "write_animation",
-    "write_result",
-    "write_summary",
-]

@@ -3,14 +3,3 @@
 from ..dynamics.analysis.recovery import Recording
 from .sensors import Histories, Sensor, Turns, fatigue_entry, recorded, sensors
 from .strength import HELD
-
-__all__ = [
-    "HELD",
-    "Histories",
-    "Recording",
-    "Sensor",
-    "Turns",
-    "fatigue_entry",
-    "recorded",
-    "sensors",
-]

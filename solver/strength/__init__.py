@@ -2,5 +2,3 @@
 
 from .criteria.contract import Criterion, Verdict
 from .criteria.table import CRITERIA, criteria_of
-
-__all__ = ["CRITERIA", "Criterion", "Verdict", "criteria_of"]

@@ -12,8 +12,8 @@ from pydantic import BeforeValidator, Discriminator, Field, Tag, create_model, m
 from ..common.input_table import FilePath, Name, Pair, Table, entry, optional, validated
 from ..common.materials import Angle, Content, Laminate, Material
 from ..common.units import MEANING, Unit, file_units, own_scale
-from .shapes.contract import Values
-from .shapes.library import SHAPES, Parameter, Shape
+from .shapes.contract import Parameter, Shape, Values
+from .shapes.library import SHAPES
 
 FILE = "file"  # the member of a union that is not a shape
 

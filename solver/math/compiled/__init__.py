@@ -40,20 +40,6 @@ from .parts import (
     statistics,
 )
 
-__all__ = [
-    "COMPILED",
-    "inlined",
-    "installed_version",
-    "jit",
-    "lean",
-    "note",
-    "noted",
-    "rebound",
-    "statistics",
-    "structure",
-    "tell_if_slow",
-]
-
 LOGGER = logging.getLogger(__name__)
 Function = TypeVar("Function", bound=Callable[..., Any])
 

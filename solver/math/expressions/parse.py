@@ -6,7 +6,7 @@ from collections.abc import Callable, Collection, Hashable, Mapping
 from typing import Protocol, TypeGuard
 
 from . import operations as op
-from .program import ONE, TIME, ZERO, Node, NoRate, constant, rate
+from .program import TIME, ZERO, Node, NoRate, constant, rate
 
 MOST_CHARACTERS, MOST_DEPTH = 2000, 50
 MOST_SHOWN = 100  # characters of a part in a message
@@ -262,6 +262,3 @@ def _folded(node: Node) -> Node:
     if isinstance(value, complex) or not math.isfinite(value):
         raise ArithmeticError
     return constant(value)
-
-
-__all__ = ["MADE", "NAMES", "ONE", "ExpressionError", "NoRate", "Plain", "Scope", "parsed"]

@@ -7,5 +7,3 @@ from .contract import Drilling
 DRILLINGS = listed(
     catalogue(__name__, __path__, Drilling), elements.DRILLINGS, "drilling stiffnesses"
 )
-
-__all__ = ["DRILLINGS", "Drilling"]

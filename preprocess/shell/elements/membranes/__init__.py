@@ -5,5 +5,3 @@ from .....solver.package.shell import elements
 from .contract import Membrane, MembraneStrains
 
 MEMBRANES = listed(catalogue(__name__, __path__, Membrane), elements.MEMBRANES, "membranes")
-
-__all__ = ["MEMBRANES", "Membrane", "MembraneStrains"]

@@ -5,5 +5,3 @@ from .....solver.package.shell import elements
 from .contract import Plate, PlateStrains, shear_ratio
 
 PLATES = listed(catalogue(__name__, __path__, Plate), elements.PLATES, "plates")
-
-__all__ = ["PLATES", "Plate", "PlateStrains", "shear_ratio"]

@@ -33,6 +33,3 @@ class Coupling(NamedTuple):
     ratios: Callable[[Mapping[str, Any]], tuple[float, float]]
     unit: Unit
     order: int = 100
-
-
-__all__ = ["ROWS", "Coupling", "Number", "Unit"]

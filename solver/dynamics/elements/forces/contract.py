@@ -47,7 +47,7 @@ from ....math.catalogue import (
     Three,
     argument_names,
 )
-from ...model.motion import DAMPING, FORCE, N_ELEMENT_ROW, STIFFNESS
+from ...model.motion import DAMPING, FORCE, N_ELEMENT_ROW, STIFFNESS  # noqa: F401, of rows
 
 Key = Direction | Number | Three | OfTime
 # Entry of the values of a `CoordinateForce`: whether its coordinate is the angle (True) or the
@@ -274,30 +274,3 @@ def _check(kind: str, what: str, kernel: Callable[..., Any]) -> None:
     parameters = argument_names(kernel)
     if parameters[:3] != OF_ALL or len(parameters) != len(OF_ALL) + 1:
         raise ValueError(f"{kind}: its {what} takes {parameters}: expected {OF_ALL} and one more")
-
-
-__all__ = [
-    "BOTH",
-    "DAMPING",
-    "FORCE",
-    "N_ELEMENT_ROW",
-    "ROTATION",
-    "STIFFNESS",
-    "Code",
-    "Contact",
-    "CoordinateForce",
-    "Curve",
-    "Direction",
-    "Element",
-    "Expression",
-    "Expressions",
-    "ForceElement",
-    "KernelForce",
-    "Load",
-    "Number",
-    "OfTime",
-    "State",
-    "Terms",
-    "Three",
-    "Wrench",
-]

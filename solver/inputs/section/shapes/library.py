@@ -8,9 +8,7 @@ from ....math.catalogue import by_name, catalogue
 from ....package.specification import SectionMeshTable
 from . import __name__ as _package
 from . import __path__ as _path
-from .contract import Parameter, Shape, Values, Wall
-
-__all__ = ["SHAPES", "Parameter", "Shape", "Wall", "expand", "shape", "walls"]
+from .contract import Shape, Values, Wall
 
 Layers = Mapping[str, Sequence[float]]
 
