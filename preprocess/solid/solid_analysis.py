@@ -16,9 +16,9 @@ from ..exchange.imported_interfaces import Constrained, constrained, links
 from ..exchange.reduce import reduce_body
 from ..fenicsx.team import ALONE, Team
 from ..modes.reference import Algebra, HeldDofs
-from .model import Mumps, SolidModel
+from .model import MOST_FACTORISED, Mumps, SolidModel
 from .solid_mesh import FINER, SolidError, edge_length
-from .tolerances import MOST
+from .tolerances import MOST, RICHER
 
 COMPARED = 6  # frequencies that `accuracy` is about
 ROUNDS = 5  # meshes that `accuracy` may take
@@ -145,14 +145,22 @@ def accurate_model(
     ----------
     solid, interfaces, where, team : see SolidModel
 
-    Raises SolidError if the accuracy is not reached with `ROUNDS` meshes.
+    Raises SolidError if the accuracy is not reached with `ROUNDS` meshes, or with those whose
+    errors are estimated by at most `MOST_FACTORISED` unknowns.
     """
     model = SolidModel(solid, interfaces, where, team=team)
     wanted = solid["mesh"].get("accuracy")
     if wanted is None:
         return model
-    size = solid["mesh"].get("size") or edge_length(model.mesh)
+    size, error = solid["mesh"].get("size") or edge_length(model.mesh), np.inf
     for _ in range(ROUNDS):
+        unknowns = RICHER * 3 * len(model.mesh.plain.points)
+        if unknowns > MOST_FACTORISED:
+            raise SolidError(
+                f"{model.described}mesh.accuracy = {wanted:g}: the error with cells of {size:.3g} "
+                f"m takes {unknowns:.2g} unknowns of degree 3; expected at most {MOST_FACTORISED}: "
+                f"a larger value (that of the mesh before is {error:.2g}), or a larger mesh.size"
+            )
         hertz = free_hertz(model.body, COMPARED, model.solver)
         error = max(map(abs, _relative(hertz, _richer_hertz(model))))
         if error <= wanted:

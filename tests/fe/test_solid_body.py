@@ -189,7 +189,11 @@ def test_cells_become_small_enough_for_the_accuracy(
     exact = free_hertz(model_of(tmp_path / "bar.msh", None, unit=1e-3).body, 6)
     assert np.abs(free_hertz(model.body, 6) / exact - 1.0).max() < wanted
     assert np.abs(free_hertz(model_of(bar_file, 0.008).body, 6) / exact - 1.0).max() > 2.0 * wanted
-    monkeypatch.setattr("plymotion.preprocess.solid.solid_analysis.ROUNDS", 1)
+    module = "plymotion.preprocess.solid.solid_analysis"
+    monkeypatch.setattr(f"{module}.MOST_FACTORISED", 20_000)  # the first mesh has 4000 unknowns
+    with pytest.raises(SolidError, match=r"^mesh\.accuracy = 0\.015: the error with cells of 0"):
+        accurate_model(spec, {})
+    monkeypatch.setattr(f"{module}.ROUNDS", 1)
     spec["mesh"]["size"] = 0.02
     with pytest.raises(SolidError, match=r"^mesh\.accuracy = 0\.015: not reached"):
         accurate_model(spec, {})
