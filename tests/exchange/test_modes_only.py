@@ -140,11 +140,20 @@ PLATE = {
 }
 
 
-def universal_file(folder: Path, system: int = 1, size: int = 3, left_out: int = 0) -> Files:
+def universal_file(
+    folder: Path, system: int = 1, size: int = 3, left_out: int = 0, turned: int = 0
+) -> Files:
     """A mode z = x y of four nodes as Fortran writes it: D, or no E at three digits."""
-    lines = ["    -1", "  2411"]
+    lines = []
+    if turned:  # axes of their own, as NX writes them, and global ones
+        for number, rows in ((1, ("0 -1 0", "1 0 0", "0 0 1")), (2, ("1 0 0", "0 1 0", "0 0 1"))):
+            lines += [f"{number:10d}{0:10d}{2:10d}", f"CS{number}"]
+            lines += ["".join(f"{word + '.0D+00':>25}" for word in row.split()) for row in rows]
+            lines.append("".join(f"{'0.0D+00':>25}" * 3))
+        lines = ["    -1", "  2420", f"{1:10d}", "Part1", *lines, "    -1"]
+    lines += ["    -1", "  2411"]
     for label, (x, y) in PLACES.items():
-        lines.append(f"{label:10d}{1:10d}{system:10d}{11:10d}")
+        lines.append(f"{label:10d}{system:10d}{system:10d}{11:10d}")
         lines.append("".join(f"{value:25.16E}" for value in (x, y, 0.0)).replace("E", "D"))
     lines += ["    -1", "    -1", "    55", *["NONE"] * 5, f"{1:10d}{2:10d}{2:10d}{8:10d}{2:10d}"]
     lines[-1] += f"{size:10d}"
@@ -158,6 +167,7 @@ def universal_file(folder: Path, system: int = 1, size: int = 3, left_out: int =
 
 
 def test_a_universal_file_as_fortran_writes_it(tmp_path: Path) -> None:
+    read(universal_file(tmp_path, turned=1, system=2))
     found = read(universal_file(tmp_path))
     np.testing.assert_array_equal(found.nodes[:, :2], list(PLACES.values()))
     np.testing.assert_array_equal(found.shapes[0, :, 2], [-0.5, -0.5, 1.5, -0.5])
@@ -168,6 +178,7 @@ def test_a_universal_file_as_fortran_writes_it(tmp_path: Path) -> None:
     ("change", "message"),
     [
         ({"system": 5}, r"plate.uff: node 10: expected global axes"),
+        ({"turned": 1}, r"plate.uff: node 10: expected global axes"),
         ({"size": 1}, r"numbers 2, 1 at a node; expected .* 3 or 6 at a node"),
         ({"left_out": 35}, r"node 35 \(1 such nodes\) has no displacement in a mode"),
     ],

@@ -26,13 +26,19 @@ def read(files: Files) -> ModalBody:
     path = files.path("uff")
     nodes: dict[int, list[float]] = {}
     modes: list[tuple[float, float, dict[int, list[float]]]] = []
-    for kind, lines in _datasets(path):
-        if kind == 15:
+    axes = {0, 1}  # numbers of the global axes in 2411, unless 2420 gives 1 others
+    for kind, lines in sorted(_datasets(path), key=lambda dataset: -dataset[0]):
+        if kind == 2420:
+            for head, *turn in zip(*(lines[k::6] for k in (2, 4, 5, 6)), strict=True):
+                cosines = [_numbers(row, 25) for row in turn]
+                is_global = int(head[10:20]) == 0 and np.array_equal(cosines, np.eye(3))
+                (axes.add if is_global else axes.discard)(int(head[:10]))
+        elif kind == 15:
             for line in lines:
-                nodes[_global(path, line)] = _numbers(line[40:])
+                nodes[_global(path, line, {0})] = _numbers(line[40:])
         elif kind == 2411:
             for head, data in zip(lines[::2], lines[1::2], strict=True):
-                nodes[_global(path, head)] = _numbers(data, 25)
+                nodes[_global(path, head, axes)] = _numbers(data, 25)
         elif kind == 55:
             modes.append(_mode(path, lines))
     if not nodes or not modes:
@@ -54,9 +60,9 @@ def read(files: Files) -> ModalBody:
     return ModalBody(files.where, places, ids, cells, shapes, hertz, widest == 6, ratios)
 
 
-def _global(path: Path, line: str) -> int:
-    """Label of a node whose coordinates and displacements have global axes: number 0 or 1."""
-    if not {int(line[10:20]), int(line[20:30])} <= {0, 1}:
+def _global(path: Path, line: str, axes: set[int]) -> int:
+    """Label of a node whose coordinates and displacements have global axes, of these numbers."""
+    if not {int(line[10:20]), int(line[20:30])} <= axes:
         raise InputError(f"{path}: node {line[:10].strip()}: expected global axes")
     return int(line[:10])
 
