@@ -257,7 +257,7 @@ def sweep(
     if vary is None:
         new = {"run": run, "expressions": expressions, "signals": signals, "histories": histories}
         for key in (key for key, value in new.items() if value):
-            raise InputError(f"sweep(): {key} belongs to a new sweep; expected vary= beside it")
+            raise InputError(f"sweep(): {key} belongs to a new sweep; expected vary= with it")
         if name is None:
             known = f": {few(case.sweeps)}" if case.sweeps else "; the case has none"
             raise InputError(f"{case.name}: expected the name of a sweep, or vary={known}")

@@ -95,7 +95,7 @@ def unjudged_hints(run: FinishedRun) -> list[str]:
     if linear:
         hints.append(
             f"not judged: whether forces stiffen or buckle {few(linear)} (stiffening-matters, "
-            f"buckling-load), for want of second-order data. {WITH_DATA}"
+            f"buckling-load), because their packages have no second-order data. {WITH_DATA}"
         )
     return hints
 

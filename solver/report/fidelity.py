@@ -152,8 +152,8 @@ def fidelity_section(stories: list[Story]) -> str:
         "Accuracy asked and estimated",
         "<p>The estimated error of the chosen model is the difference of its run from a run with "
         "more modes, another mesh and a tighter tolerance, the check. It is no bound. If the check "
-        "is delivered, its own error is less, and at most about that of the model; no run tells "
-        "how much less. Errors are relative to the scale.</p>",
+        "is delivered, its error is smaller than that of the model; how much smaller is not known. "
+        "Errors are relative to the scale.</p>",
         _overview(planned),
         *(_details(story) for story in planned),
     )
@@ -218,7 +218,7 @@ def _words(fidelity: Mapping[str, Any]) -> str:
     if fidelity["horizon"] is not None:
         lines.append(
             f"From t = {fidelity['horizon']:.4g} s on, a change of the masses by 1e-6 has grown to "
-            "the accuracy: the estimate holds for this very run only."
+            "the accuracy: the estimate holds for this run only."
         )
     lines += [f"{text[0].upper()}{text[1:]}." for text in fidelity.get("theories", [])]
     return "".join(f"<p>{escape(line)}</p>" for line in lines)

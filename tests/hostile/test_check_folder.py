@@ -62,7 +62,7 @@ def test_no_file_of_others_is_replaced(tmp_path, capsys, name):
     file.write_text('{"mine": 1}')
     assert _check(tmp_path) == 2
     told = capsys.readouterr().err
-    assert f"--out {tmp_path / 'out'}: {name} is there already and was not written by" in told
+    assert f"--out {tmp_path / 'out'}: {name} already exists and was not written by" in told
     assert file.read_text() == '{"mine": 1}'
     assert [f for f in (tmp_path / "out").rglob("*") if f.is_file()] == [file]
 

@@ -70,8 +70,9 @@ def refused(words, files, capsys):
         assert main(words) == 2, file
         told = capsys.readouterr()
         shown = told.err + told.out
-        assert f"{file}: is there already and was not written by Plymotion" in shown or (
-            f"{Path(*file.parts[-2:])} is there" in shown or f"{file.name} is there" in shown
+        assert f"{file}: already exists and was not written by Plymotion" in shown or (
+            f"{Path(*file.parts[-2:])} already exists" in shown
+            or f"{file.name} already exists" in shown
         )
         assert file.read_text() == WORDS
         file.unlink()
@@ -144,7 +145,7 @@ def linked(words, file, capsys):
     Path("thesis").write_text(WORDS)
     Path(file).symlink_to(Path("thesis").absolute())
     assert main(words) == 2
-    assert f"{file}: is there already" in capsys.readouterr().err
+    assert f"{file}: already exists" in capsys.readouterr().err
     assert Path("thesis").read_text() == WORDS
     assert Path(file).is_symlink()
     Path(file).unlink()

@@ -262,7 +262,7 @@ def test_a_file_of_others_is_not_replaced(tmp_path, capsys) -> None:
     for path in (out, other):
         path.write_text("the only copy of a thesis\n")
         assert main([*IMPORT, str(file), "--out", str(out)]) == 2
-        assert f"{out}: is there already and was not written by" in capsys.readouterr().err
+        assert f"{out}: already exists and was not written by" in capsys.readouterr().err
         assert path.read_text() == "the only copy of a thesis\n"
         out.unlink()
         out.symlink_to(other)

@@ -231,8 +231,8 @@ def test_impossible_materials_of_becas_are_named(tmp_path: Path) -> None:
         ("N2D", "a b c\n", r"N2D.in: expected rows of numbers"),
         ("N2D", "10 0 0\n20 1 nan\n", r"N2D.in: row 2: expected finite numbers"),
         ("N2D", "10 0 0\n10.5 1 0\n", r"N2D.in: row 2: expected whole numbers"),
-        ("N2D", "10 0 0\n10 1 0\n", r"N2D.in: number 10 is there twice"),
-        ("E2D", "1 10 20 30 40\n1 20 50 30 30\n", r"E2D.in: number 1 is there twice"),
+        ("N2D", "10 0 0\n10 1 0\n", r"N2D.in: number 10 occurs twice"),
+        ("E2D", "1 10 20 30 40\n1 20 50 30 30\n", r"E2D.in: number 1 occurs twice"),
         ("EMAT", "1 1.5 0 0\n2 1 0 0\n", r"EMAT.in: row 1: expected whole numbers"),
     ],
 )

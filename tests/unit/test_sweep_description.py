@@ -83,7 +83,7 @@ BAD = {
     "below a number": ('"bodies.ball.mass.x" = [1]', "", r"bodies\.ball\.mass has no keys"),
     "bounds": (f"{MASS} = [1, -2]", "", r"bodies\.ball\.mass = -2: .*greater than or equal to 0"),
     "twice": (f"{MASS} = [1]\nm = {{ keys = [{MASS}], values = [1] }}", "", "varied twice"),
-    "no count": (f"{MASS} = {{ from = 1, to = 2 }}", "", "expected `count` beside"),
+    "no count": (f"{MASS} = {{ from = 1, to = 2 }}", "", "expected `count` with"),
     "no end": (f"{MASS} = {{ from = 1, count = 2 }}", "", "expected `values`, or `from` and `to`"),
     "both": (f"{MASS} = {{ values = [1], to = 2 }}", "", "expected either `values` or"),
     "range key": (f"{MASS} = {{ form = 1 }}", "", "form: unknown key; did you mean 'from'"),

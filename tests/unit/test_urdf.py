@@ -45,7 +45,7 @@ def test_a_robot_becomes_a_case(tmp_path: Path, capsys: pytest.CaptureFixture[st
     ball = volume(stl_triangles(out / "meshes/slider.stl"))
     assert ball == pytest.approx(4.0 / 3.0 * np.pi * 0.05**3, rel=0.03)
     assert main(["import", str(ROBOTS / "arm.urdf"), "--out", str(out)]) == 2
-    assert "is there already" in capsys.readouterr().err
+    assert "already exists" in capsys.readouterr().err
 
 
 def test_the_case_is_that_of_its_file(tmp_path: Path, repository: Path) -> None:

@@ -291,7 +291,7 @@ def test_the_command(tmp_path, monkeypatch, capsys):
     page.write_text("of the user")
     other = [*words, "--out", str(tmp_path / "mine")]
     assert main([*other, "--objective", '{ signal = "x", of = "rms" }']) == 2
-    assert "report.html: is there already and was not written by" in capsys.readouterr().err
+    assert "report.html: already exists and was not written by" in capsys.readouterr().err
     assert page.read_text() == "of the user"
     assert main([*words, "--objective", '{ signal = "y", of = "rms" }']) == 2
     assert 'objective.signal = "y": no such signal' in capsys.readouterr().err

@@ -218,7 +218,7 @@ def import_robot(
     refuse(errors)
     target = out / "case.toml"
     if target.exists():
-        raise InputError(f"{target}: is there already; expected another folder, by --out")
+        raise InputError(f"{target}: already exists; expected another folder, by --out")
     for name, content in pictures.items():
         path = out / name
         path.parent.mkdir(parents=True, exist_ok=True)

@@ -81,7 +81,7 @@ class OutputFolder:
         for name in () if adopted else wanted:
             if name not in before and self._would_be_lost(name):
                 raise InputError(
-                    f"--out {self.path}: {name} is there already and was not written by `check`; "
+                    f"--out {self.path}: {name} already exists and was not written by `check`; "
                     "expected a new folder, or the build folder of a case"
                 )
         made = [n for n in self._made if n in before or adopted or not (self.path / n).exists()]

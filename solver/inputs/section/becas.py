@@ -208,7 +208,7 @@ def _table(file: Path, columns: tuple[int, ...], whole: int) -> Array:
         raise InputError(f"{file}: row {row + 1}: expected whole numbers")
     numbers, count = np.unique(table[:, 0], return_counts=True)
     if whole and (count > 1).any():
-        raise InputError(f"{file}: number {numbers[count > 1][0]:g} is there twice")
+        raise InputError(f"{file}: number {numbers[count > 1][0]:g} occurs twice")
     return table
 
 

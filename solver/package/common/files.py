@@ -207,7 +207,7 @@ def refuse_foreign(path: Path) -> None:
     refuse_link(path)
     if os.path.lexists(path) and not is_ours(path):
         raise InputError(
-            f"{path}: is there already and was not written by Plymotion, which does not replace "
+            f"{path}: already exists and was not written by Plymotion, which does not replace "
             "it; expected another name or folder, or that you remove the file"
         )
 

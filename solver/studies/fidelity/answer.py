@@ -122,10 +122,10 @@ class Answer:
         """What the error of the delivered run is at most, by signal; None: not estimated.
 
         The check has more of everything than the model, so that its error is smaller. How much
-        smaller, no run tells. A run that no other one was compared with has no estimate.
+        smaller is not known. A run that no other one was compared with has no estimate.
         """
-        told = self.delivered is self.check and self.settled
-        known = (estimate_entry(self) if told else None) or {}
+        settled = self.delivered is self.check and self.settled
+        known = (estimate_entry(self) if settled else None) or {}
         return {name: known.get(name) for name in self.names}
 
 
@@ -256,8 +256,8 @@ def answer_text(answer: Answer) -> str:
             most = answer.delivered_at_most[name]
             bound, zero = "not estimated" if most is None else f"at most about {most:.1e}", ""
             if answer.check is not None and (size := answer.check.sizes[o]) > 0.0:
-                zero = f"; the signal is zero to rounding or noise: errors are of {size:.2g}, the "
-                zero += "size of what it is near"
+                zero = "; the signal is zero to rounding or noise: errors are relative to "
+                zero += f"{size:.2g}, the size of related signals"
             lines.append(
                 f"Estimated error of {name}: chosen model {model}; delivered run {bound}{zero}"
             )
@@ -270,7 +270,7 @@ def answer_text(answer: Answer) -> str:
         lines.append(
             f"After t = {answer.horizon:.4g} s the motion is too sensitive for this accuracy: a "
             "change of the masses by 1e-6 has grown to it (chaos, or vibrations that lose step). "
-            "The estimate holds for this very run only."
+            "The estimate holds for this run only."
         )
     if answer.shares:
         lines += ["", "Shares of the error of the last plan that was too coarse:"]

@@ -154,7 +154,7 @@ def _check_head(file: Path, head: list[str]) -> None:
             raise ValueError(f"{file}: unknown column {name!r}{nearest(name, known)}")
     for one, two in pairwise(sorted(head)):
         if one == two:
-            raise ValueError(f"{file}: column {one!r} is there twice")
+            raise ValueError(f"{file}: column {one!r} occurs twice")
     wanted = known if set(head) & set(TRAPEZE) else COLUMNS
     if missing := [name for name in wanted if name not in head]:
         raise ValueError(f"{file}: column {missing[0]!r} is missing; expected {', '.join(wanted)}")

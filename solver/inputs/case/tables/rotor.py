@@ -199,7 +199,7 @@ def _of(
         return data, []
     try:
         if given := [other for other in others if other in data]:
-            raise ValueError(f"expected no `{given[0]}` beside `{key}`")
+            raise ValueError(f"expected no `{given[0]}` with `{key}`")
         return dict(data), _rows(
             Path(context.get(FOLDER, ".")) / usable_path(data[key]), numbers, texts
         )

@@ -159,7 +159,7 @@ class Sweep(Table):
             return self
         for name, variation in self.vary.items():
             if variation.values is None and variation.count is None:
-                raise ValueError(f"vary.{name}: expected `count` beside `from` and `to`")
+                raise ValueError(f"vary.{name}: expected `count` with `from` and `to`")
         sizes = {name: len(variation.listed()) for name, variation in self.vary.items()}
         if self.design == "list" and len(set(sizes.values())) > 1:
             listed = ", ".join(f"{size} of {name}" for name, size in sizes.items())
