@@ -77,6 +77,7 @@ def json_for_script(value: Any) -> str:
 
 NUMBERS = 350_000  # of all histories of a page; longer ones keep the extremes of intervals
 FEWEST = 500  # rows of a run at least
+AT_ONCE = 250_000  # rows of a history that are searched together
 
 
 def histories(
@@ -129,15 +130,16 @@ def chosen_rows(series: list[Array], k: int, most: int) -> IntArray:
     if k <= most or not series:
         return np.arange(k)
     size = -(-k * 2 * len(series) // most)  # rows of an interval
-    starts = np.arange(0, k, size)
+    at_once = size * (1 + AT_ONCE // size)  # copies of a long history need no memory of its length
     kept = [np.array([0, k - 1])]
     for values in series:
-        padded = np.full(len(starts) * size, np.nan)
-        padded[:k] = values
-        blocks = np.where(np.isfinite(padded), padded, np.nan).reshape(len(starts), size)
-        usable = np.flatnonzero(np.isfinite(blocks).any(axis=1))
-        for extreme in (np.nanargmin, np.nanargmax):
-            kept.append(starts[usable] + extreme(blocks[usable], axis=1))
+        for first in range(0, k, at_once):
+            part = values[first : first + at_once]
+            blocks = np.full((-(-len(part) // size), size), np.nan)
+            blocks.flat[: len(part)] = np.where(np.isfinite(part), part, np.nan)
+            usable = np.flatnonzero(~np.isnan(blocks).all(axis=1))
+            for extreme in (np.nanargmin, np.nanargmax):
+                kept.append(first + usable * size + extreme(blocks[usable], axis=1))
     return np.unique(np.concatenate(kept))
 
 

@@ -1,7 +1,6 @@
 """Datasets of a result file: rows over time, records of named numbers and texts, bodies, joints."""
 
 import json
-import zlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from itertools import chain
@@ -24,68 +23,34 @@ from ..package.common.dataset import build, field_values, layout
 from ..package.common.plain_data import plain
 from .run_result import BodyGeometry, BodyView, Link, Loads, ResultError, Side, Sites, Surface
 
-# Datasets of a result file: rows over time, in chunks of one column each.
+# Datasets of a result file: rows over time, contiguous and not compressed (docs/adr/0044).
 
 LARGE = 1_000_000  # size in bytes above which an array is written block by block
-# Size in bytes from which an array may be compressed. That takes 7 ns of CPU time for a byte, more
-# than all else in writing: for 2000 rigid bodies as much as their integration.
-PACKED_FROM = 16_000_000
-ROWS = 8192  # of a chunk; in bytes 64 KiB, at which a column compresses as well as in longer ones
 BLOCK = 2_000_000  # bytes that are written together
-# Level 1: the digits of a motion hardly compress, higher levels gain 1 % for a tenth of the time.
-PACKED = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
-# Size of a packed sample above which an array is stored as it is. Columns in chunks of their own
-# pack to 0.76 or less. In chunks of several columns the digits of a motion pack to 0.86, which
-# takes 18 times the CPU time of plain writing.
-WORTH_PACKING = 0.8
-
-
-def chunk_shape(shape: tuple[int, ...]) -> tuple[int, ...]:
-    """Return the shape of chunks: few columns and many rows, because a column is smooth in time.
-
-    Rows of a chunk are written together, with all columns: HDF5 then compresses each chunk once.
-    """
-    width = int(np.prod(shape[1:]))
-    rows = max(1, min(shape[0], ROWS, BLOCK // (8 * max(width, 1))))
-    left = max(1, ROWS // rows)  # columns
-    columns = []
-    for size in reversed(shape[1:]):
-        columns.append(max(1, min(size, left)))
-        left //= columns[-1]
-    return (rows, *reversed(columns))
-
-
-def packing(values: Array | IntArray | LongRows) -> dict[str, object]:
-    """Return how a large array is stored: in packed chunks, unless a sample hardly shrinks.
-
-    The sample is of its middle. Others are contiguous.
-    """
-    if values.nbytes < PACKED_FROM:
-        return {}
-    rows, *columns = chunk_shape(values.shape)
-    first = (values.shape[0] - rows) // 2
-    block = np.asarray(values[first : first + rows])
-    part = [
-        slice((n - c) // 2, (n + c) // 2) for n, c in zip(block.shape[1:], columns, strict=True)
-    ]
-    sample = np.ravel(block[(slice(None), *part)])[:ROWS]
-    shuffled = sample.view(np.uint8).reshape(len(sample), -1).T.tobytes()
-    worth = len(zlib.compress(shuffled, 1)) <= WORTH_PACKING * sample.nbytes
-    return {"chunks": chunk_shape(values.shape), **PACKED} if worth else {}
+MAPPED = 16_000_000  # size in bytes above which an array is read as a mapping of the file
 
 
 def blocks(shape: tuple[int, ...]) -> Iterator[tuple[int, int]]:
-    """Yield first and end of blocks of rows that are whole chunks."""
-    rows = chunk_shape(shape)[0]
-    rows *= max(1, BLOCK // (8 * rows * max(int(np.prod(shape[1:])), 1)))
+    """Yield first and end of blocks of rows."""
+    rows = max(1, BLOCK // (8 * max(int(np.prod(shape[1:])), 1)))
     for first in range(0, shape[0], rows):
         yield first, min(first + rows, shape[0])
 
 
 def read_array(dataset: h5py.Dataset) -> np.ndarray:
-    """Return the content of a dataset, block by block: a signal counts between two of them."""
+    """Return the content of a dataset: a large one as a mapping of the file.
+
+    Its pages are read when they are used, so results need no memory of their size. What a user
+    writes into the array stays in memory. Compressed datasets, of other writers, are read block by
+    block: a signal counts between two of them.
+    """
     if dataset.nbytes <= LARGE or not dataset.ndim:
         return np.asarray(dataset[()])
+    offset = dataset.id.get_offset()
+    if dataset.nbytes > MAPPED and offset is not None:
+        return np.asarray(
+            np.memmap(dataset.file.filename, dataset.dtype, "c", offset, dataset.shape)
+        )
     values = np.empty(dataset.shape, dataset.dtype)
     for first, end in blocks(dataset.shape):
         values[first:end] = dataset[first:end]
@@ -123,7 +88,7 @@ class Datasets:
         frame: str,
         text: str,
     ) -> h5py.Dataset:
-        """Write an array; a large one compressed, block by block.
+        """Write an array; a large one block by block.
 
         Parameters
         ----------
@@ -135,7 +100,7 @@ class Datasets:
         text : description
         """
         if values.nbytes > LARGE:
-            dataset = group.create_dataset(name, values.shape, values.dtype, **packing(values))
+            dataset = group.create_dataset(name, values.shape, values.dtype)
             for first, end in blocks(values.shape):
                 dataset[first:end] = values[first:end]
                 self._report(values.nbytes * (end - first) // values.shape[0])
@@ -156,7 +121,6 @@ class Datasets:
 MOST_NAMED = 100  # signals that have a dataset of their own, joints whose loads are in pictures
 MOST_GROUPS = 4  # bodies or joints that have a group of their own; a table of more is faster
 ABSENT = -1  # number of axes of a value that a record does not have
-RECORD_BYTES = 50_000  # bytes above which an array is compressed
 
 Layout = Mapping[str, tuple[str, ...]]  # unit, frame and description of fields
 Record = Mapping[str, Any]  # field, or group/field -> array, number or text
@@ -305,11 +269,7 @@ def put_array(group: h5py.Group, name: str, values: Any, texts: tuple[str, ...])
     values : its values
     texts : unit, frame and description
     """
-    array = np.asarray(values)
-    if array.nbytes > RECORD_BYTES:
-        dataset = group.create_dataset(name, data=array, compression="gzip", shuffle=True)
-    else:
-        dataset = new_dataset(group, name, array)
+    dataset = new_dataset(group, name, np.asarray(values))
     for key, word in zip(("unit", "frame", "description"), texts, strict=False):
         set_text(dataset, key, word)
 

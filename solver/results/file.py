@@ -33,7 +33,6 @@ from .datasets import (
     link_of,
     link_record,
     loads_of,
-    packing,
     read_array,
     read_record,
     read_table,
@@ -255,7 +254,7 @@ def write_animation(
         moving["deflection"] = deflection.ravel()
     written = {}
     for name, values in moving.items():
-        dataset = view.create_dataset(f"PointData/{name}", data=values, **packing(values))
+        dataset = view.create_dataset(f"PointData/{name}", data=values)
         set_text(dataset, "unit", "m")
         written[dataset.name.lstrip("/")] = values
         steps[f"PointDataOffsets/{name}"] = np.arange(n_step, dtype=np.int64) * n

@@ -19,7 +19,7 @@ from plymotion.solver.math.rows import ComputedRows, LongRows, StoredRows
 from plymotion.solver.package.common.files import RECORD
 from plymotion.solver.results import RunResult, datasets, read_result, write_result
 from plymotion.solver.results import file as writer
-from plymotion.solver.results.datasets import PACKED, Datasets, blocks, chunk_shape, packing
+from plymotion.solver.results.datasets import Datasets, blocks, read_array
 from plymotion.solver.run.execution import execute, read_run, run_file
 
 SIGNALS = {
@@ -121,41 +121,47 @@ def test_positions_that_are_left_out_follow_from_the_coordinates(
             assert ("node_positions_G" in written["results"]) == every
 
 
-def test_chunks_are_written_once_with_all_their_rows() -> None:
-    """A chunk has 64 KiB and few columns; blocks are whole chunks, whatever the width."""
+def test_blocks_are_all_rows_once() -> None:
+    """Blocks follow one another, from the first row to the last, whatever the width."""
     for shape in ((6_000_001,), (6_000_001, 22), (9000, 150, 3), (500, 40_000), (3, 7), (10, 0)):
-        chunk = chunk_shape(shape)
-        assert len(chunk) == len(shape)
-        assert all(1 <= c <= max(n, 1) for c, n in zip(chunk, shape, strict=True))
-        assert 8 * np.prod(chunk) <= 65536
         parts = list(blocks(shape))
         assert (parts[0][0], parts[-1][1]) == (0, shape[0])
         assert all(one[1] == two[0] for one, two in pairwise(parts))
-        assert all((end - first) % chunk[0] == 0 for first, end in parts[:-1])
+        width = 8 * int(np.prod(shape[1:]))
+        assert all((end - first) * width <= 2_000_000 for first, end in parts)
 
 
-def test_digits_that_do_not_shrink_are_stored_as_they_are(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Wide rows of moving bodies: 14 % less room would take 18 times the CPU time."""
-    t, rng = np.linspace(0.0, 1.0, 101)[:, None], np.random.default_rng(0)
-    moving = np.sin(t * rng.uniform(1.0, 20.0, 3000) + rng.uniform(0.0, 6.0, 3000))
-    still = np.where(np.arange(3000) % 4, 1.0, moving)
-    column = np.sin(np.linspace(0.0, 10.0, 200_000) * 3.7)
-    computed = ComputedRows(moving.shape, lambda a, b: moving[a:b])
-    assert packing(still) == packing(column) == {}  # of a size that is written at once
-    monkeypatch.setattr(datasets, "PACKED_FROM", 1_000_000)
-    assert packing(moving) == packing(computed) == {}
-    for values in (still, column):
-        assert packing(values) == {"chunks": chunk_shape(values.shape), **PACKED}
+def test_long_rows_are_stored_as_they_are(tmp_path: Path) -> None:
+    """Arrays over time are contiguous: compression took more time than the integration."""
+    values = np.sin(np.linspace(0.0, 10.0, 303_000)).reshape(101, 3000)
     with h5py.File(tmp_path / "file.h5", "w") as file:
-        for name, values in (("moving", computed), ("still", still)):
-            Datasets().put(file, name, values, "m", "G", "positions")
-        assert file["moving"].compression is None
-        assert file["still"].compression == "gzip"
-        assert file["still"].id.get_storage_size() < 0.4 * still.nbytes
-        assert np.array_equal(file["moving"][()], moving)
-        assert np.array_equal(file["still"][()], still)
+        computed = ComputedRows(values.shape, lambda a, b: values[a:b])
+        dataset = Datasets().put(file, "moving", computed, "m", "G", "positions")
+        assert values.nbytes > datasets.LARGE
+        assert dataset.compression is None
+        assert dataset.chunks is None
+        assert dataset.id.get_storage_size() == values.nbytes
+        assert np.array_equal(dataset[()], values)
+
+
+def test_large_arrays_are_mapped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is read of a large array takes no memory until it is used; changes stay in memory."""
+    path, values = tmp_path / "file.h5", np.linspace(0.0, 1.0, 400_000).reshape(-1, 4)
+    monkeypatch.setattr(datasets, "MAPPED", 2_000_000)
+    with h5py.File(path, "w") as file:
+        file["plain"] = values
+        file.create_dataset("packed", data=values, compression="gzip")
+    with h5py.File(path) as file:
+        plain, packed = (read_array(file[name]) for name in ("plain", "packed"))
+    assert isinstance(plain.base, np.memmap)
+    assert packed.base is None
+    for found in (plain, packed):
+        assert type(found) is np.ndarray
+        assert np.array_equal(found, values)
+        found[0] = 7.0
+    path.unlink()  # as a new result does, by a rename
+    assert np.array_equal(plain[1:], values[1:])
+    assert plain[0, 0] == 7.0
 
 
 def test_one_step_over_many_windows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
