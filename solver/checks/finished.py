@@ -14,6 +14,7 @@ from ..dynamics.elements.constraints.treatment import Treatment
 from ..dynamics.model.model import Model
 from ..integrators.generic.drive import Solution, Steps
 from ..math.arrays import Array, IntArray, distinct
+from ..math.records import record
 from ..math.rows import spans
 from ..mechanism.built import BuiltMechanism
 from ..package import ModalPackage
@@ -126,7 +127,7 @@ class Look(NamedTuple):
     strength: int | None = None
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@record
 class FinishedRun:
     """Everything that the checks judge a run by.
 

@@ -19,7 +19,7 @@ iteration diverges. The force between the body and the virtual body is an unknow
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from itertools import compress
 from math import ceil
 from typing import TYPE_CHECKING
@@ -30,6 +30,7 @@ from ..dynamics.model.model import GROUND, Model
 from ..errors import InputError, nearest
 from ..inputs.case.expressions import joint_starts
 from ..math.arrays import Array
+from ..math.records import record
 from ..math.rotations import matrix_to_parameters, vector_to_matrix
 from ..package import ModalPackage
 from ..package.body.selection import rigid, selected
@@ -47,7 +48,7 @@ if TYPE_CHECKING:
     from ..inputs.case.tables.schema import Mechanism
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@record
 class VirtualBodies:
     """Tables of a mechanism, with virtual bodies after the others."""
 

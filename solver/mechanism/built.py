@@ -1,11 +1,12 @@
 """A built mechanism: its model with names, its joints, and its start."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import NamedTuple
 
 from ..dynamics.model.model import Model
 from ..math.arrays import Array
+from ..math.records import record
 from ..package.body.package_schema import Interface, ModalPackage
 
 
@@ -25,7 +26,7 @@ class BuiltJoint(NamedTuple):
     shift: Array  # (3,) vector from place one to two at the given start, in the joint's axes [m]
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@record
 class BuiltMechanism:
     """A model with the names of its bodies, joints and places."""
 

@@ -3,7 +3,6 @@
 Mechanisms that their joints lock are refused: drives that cannot move, nearly movable closed loops.
 """
 
-from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
@@ -25,6 +24,7 @@ from ..dynamics.model.model import Model, modal_matrix
 from ..dynamics.tolerances import RANK_TOLERANCE
 from ..errors import InputError, few
 from ..math.arrays import Array
+from ..math.records import record
 from ..results.codes import REDUNDANT, SINGULAR_START, Finding
 from .built import Start
 from .tolerances import (
@@ -229,7 +229,7 @@ _MAX_STEP = 0.5  # limit of one Newton correction, in `sizes_of_motion`, for rou
 _MAX_ITERATIONS = 60
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@record
 class Redundancy:
     """Redundant constraint equations."""
 

@@ -11,6 +11,7 @@ from ..dynamics.model.model import ANGLE, N_POLAR, N_ROTOR, N_SHAPE, Quantities,
 from ..math.arrays import Array, IntArray
 from ..math.expressions.program import Node, new_stack, programs
 from ..math.laws import Law
+from ..math.records import record
 from ..package.body.package_schema import Invariants, ModalPackage, SecondOrder
 
 
@@ -66,7 +67,7 @@ def flexible_body(name: str, package: ModalPackage, *, stiffening: bool = False)
     return Body(name, package.invariants, package.mass, package.stiffness, package.damping, second)
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@record
 class MarkerTable:
     """One marker: body index (GROUND = -1), rest frame, and its mode shapes."""
 

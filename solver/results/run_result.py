@@ -11,7 +11,7 @@ modal coordinates alone; no field is stored for each time.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property, partial
 from typing import Annotated, Any
 
@@ -19,10 +19,11 @@ import numpy as np
 
 from ..errors import InputError
 from ..math.arrays import Array, IntArray
+from ..math.records import record
 from ..package.common.dataset import Data, Nested
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@record
 class Surface:
     """Triangles of a body; `p` counts points, `f` triangles."""
 
@@ -33,7 +34,7 @@ class Surface:
     site: Annotated[IntArray, Data("f, 3")]  # row of the sites at each corner, -1: none
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@record
 class Sites:
     """Stations of a beam (j = 6 resultants), cells of a shell (j = 8), faces of a solid (j = 6).
 
@@ -56,7 +57,7 @@ class Sites:
     dimension: int = 1  # 1, 2, 3: strain energy for unit length, area or volume
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@record
 class BodyView:
     """How a body moves and what is known of it; `m` modes, `n` nodes as in BodyGeometry."""
 
@@ -85,7 +86,7 @@ def _made(surface: Surface) -> Surface:
     return surface
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@record
 class Side:
     """One side of a joint or force element: a marker on a body, or on the ground (-1)."""
 
@@ -96,7 +97,7 @@ class Side:
     psi_B: Array  # (3, m) rotation per unit mode                [rad]
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@record
 class Link:
     """A joint of the case, or a force element between two places."""
 
@@ -106,7 +107,7 @@ class Link:
     free: tuple[str, ...] = ()  # free directions: x, y, z, about x, about y, about z
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@record
 class Loads:
     """Loads for pictures: of joints and their drives, of force elements, on their second side."""
 
@@ -128,7 +129,7 @@ class ResultError(InputError):
     """A result cannot be written or read; the message names file and dataset."""
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@record
 class Signal:
     """A named quantity over time."""
 
@@ -167,7 +168,7 @@ def relative_balance(energies: dict[str, Array]) -> Array:
     return np.asarray(error / energy_in_play(energies))
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@record
 class BodyGeometry:
     """Geometry of a body for drawing, in its own frame."""
 
@@ -179,7 +180,7 @@ class BodyGeometry:
     view: BodyView | None = None  # what is needed to show it in motion
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@record
 class Derivative:
     """The derivative of a signal by a parameter of the case, at the output times."""
 
@@ -190,7 +191,7 @@ class Derivative:
     values: Array  # (k,)
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@record
 class RunResult:
     """All results of a run, at its k output times."""
 

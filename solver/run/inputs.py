@@ -3,11 +3,12 @@
 import hashlib
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..inputs.case.record import package_entries, solver_sha256
+from ..math.records import record
 from ..package import ModalPackage
 from ..package.common.design import moved
 from ..package.common.files import has_right_seal
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     from ..inputs.case.tables.schema import Fidelity, Mechanism
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@record
 class RunSpec:
     """A run as `check` wrote it, with its packages read.
 

@@ -24,6 +24,7 @@ from ..integrators.generic.advice import Stall
 from ..integrators.generic.drive import Solution, Steps, StopRequest, Watch, integrate
 from ..integrators.table import treatment_of
 from ..math.arrays import Array
+from ..math.records import record
 from ..mechanism.assembly import treated
 from ..mechanism.build import build, used_packages
 from ..mechanism.built import BuiltMechanism
@@ -49,7 +50,7 @@ NOTHING = 1e-13  # of the energy of a mechanism at its speed: round-off
 NOISE, MOST_NOISE = 1e3, 1e-2
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@record
 class Prepared:
     """What a run has before its first step, and what judges it afterwards."""
 

@@ -1,13 +1,14 @@
 """What the search for the lowest strength ratio of a body found, for summary, report, warnings."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..math.arrays import Array
+from ..math.records import record
 from ..package.common.materials import PlyStrength, YieldStrength
 from ..package.common.recovery_schema import STRESSES, Ply
 from . import Criterion, criteria_of
@@ -47,7 +48,7 @@ def _reserve(
     return Reserve(float(verdict.ratio[row]), criterion.name, mode, place_of(row))
 
 
-@dataclass(frozen=True)
+@record
 class CriticalPoint:
     """The highest exposure so far of a ply under a criterion."""
 

@@ -149,8 +149,17 @@ from plymotion.solver.__main__ import main
 with contextlib.redirect_stdout(io.StringIO()):
     code = main(["run", *sys.argv[1:], "--quiet"])
 assert code == 0, code
-print(*sys.modules)
+frozen = {
+    f"frozen:{kind.__name__}"
+    for module in [*sys.modules.values()]
+    for kind in vars(module).values()
+    if isinstance(kind, type)
+    and getattr(getattr(kind, "__dataclass_params__", None), "frozen", False)
+}
+print(*sys.modules, *frozen)
 """
+# Their values are compared, or keys of tables; others are a `record`, which takes a third to make.
+FROZEN = {"Node", "NamedCurve", "Orthotropic", "Ply", "ShellPly", "YieldStrength"}
 
 
 def test_a_run_imports_what_it_uses(repository: Path, tmp_path: Path) -> None:
@@ -174,6 +183,8 @@ def test_a_run_imports_what_it_uses(repository: Path, tmp_path: Path) -> None:
     assert not loaded & {"shutil", "tempfile", "random", "numpy.random"}
     assert "plymotion.solver.report" not in loaded
     assert "plymotion.solver.inputs.case.load" not in loaded
+    frozen = {name.removeprefix("frozen:") for name in loaded if name.startswith("frozen:")}
+    assert frozen == FROZEN
     words = ["modes", str(file), "--shapes", "0", "--out", str(tmp_path)]
     done = subprocess.run(
         [sys.executable, "-c", COMMAND_AND_LIST, *words],

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Callable, Hashable, Mapping
-from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, NamedTuple
 
 from ...dynamics.elements.couplings.table import COUPLINGS
@@ -107,8 +106,7 @@ OF_MOTION = ("joint", "place", "spin", "length", "height", "slip")  # kinds of `
 REACTIONS = ("radial", "axial", "bending", "twisting")  # as in dynamics/model/model.py
 
 
-@dataclass(frozen=True)
-class Read:
+class Read(NamedTuple):
     """A quantity by the names of the case.
 
     Attributes
@@ -162,7 +160,7 @@ class CaseScope:
     def rate(self, quantity: Hashable) -> Node:
         """Return the rate of a quantity."""
         if isinstance(quantity, Read) and not quantity.rate and quantity.kind in OF_MOTION:
-            return load(replace(quantity, rate=True))
+            return load(quantity._replace(rate=True))
         raise NoRate("has a rate by time that is not known: it reads a rate or a state")
 
     def joint(self, name: str, coordinate: str | None = None) -> Node:
@@ -244,7 +242,7 @@ def _called(name: str, table: "TablePoints") -> Callable[[Node], Node]:
 
 def _rate_of(node: Node) -> Node:
     assert isinstance(node.quantity, Read)
-    return load(replace(node.quantity, rate=True))
+    return load(node.quantity._replace(rate=True))
 
 
 def joint_coordinate(mechanism: "Mechanism", name: str, coordinate: str | None) -> tuple[str, str]:
@@ -417,7 +415,7 @@ def force_terms(
         terms = kind.terms(values)
     except InputError as error:
         raise InputError(f"{key}{error}") from error
-    names = {"x": load(along), "v": load(replace(along, rate=True))}
+    names = {"x": load(along), "v": load(along._replace(rate=True))}
     public = CaseScope(mechanism, names, check=check)
     for k in kind.keys:
         value = values[k.name]
@@ -485,7 +483,7 @@ def _trees(
     friction = []
     for slip in slips:
         scope.names["slip"] = load(slip)
-        friction.append((replace(slip, rate=False), expression(terms.friction, scope, key)))
+        friction.append((slip._replace(rate=False), expression(terms.friction, scope, key)))
     return ForceTerms(along, force, states, curves, tuple(friction))
 
 

@@ -1,13 +1,14 @@
 """Run an integrator to its end, show its steps, and keep the solution at requested times."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
 from ...math.arrays import Array
+from ...math.records import record
 from ...math.rows import IN_MEMORY, StoredRows
 from .advice import Pace, Refusals, Stall
 from .base import Counters, Dense, Integrator
@@ -132,7 +133,7 @@ class StopRequest(NamedTuple):
 SLIDING, TOO_MANY = 20_000, 1_000_000
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@record
 class Steps:
     """k steps: step i goes from t[i], y[i] to t[i + 1], y[i + 1]."""
 
@@ -223,7 +224,7 @@ class Noted:
         return steps
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@record
 class Solution:
     """The solution of a run.
 

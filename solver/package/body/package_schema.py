@@ -12,10 +12,11 @@ and modal mass, damping and stiffness are in kg m2, N m s and N m. The mapper of
 writes, reads, checks and documents the fields.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Annotated, Any, get_args
 
 from ...math.arrays import Array, IntArray
+from ...math.records import record
 from ..common.dataset import Attribute, Data, Named, Nested, Rows
 from ..common.design import Derivative
 from ..common.recovery_schema import SectionRecovery, ShellPly
@@ -31,7 +32,7 @@ MASS_FORMS = get_args(MassForm)
 M6 = "N, N m, N m2"  # units of a 6x6 stiffness
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@record
 class Invariants:
     """Sums over mass stations k that give the inertia of a moving flexible body.
 
@@ -53,7 +54,7 @@ class Invariants:
     mass_form: Annotated[str, Attribute("consistent")]  # one of MASS_FORMS
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@record
 class Pieces:
     """Pieces of a body, for the products of phi q and q' h q in moments about the frame."""
 
@@ -66,7 +67,7 @@ class Pieces:
     ]
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@record
 class SecondOrder:
     """Sums over the mass stations of `Invariants` with their second-order translation h_k.
 
@@ -80,7 +81,7 @@ class SecondOrder:
     pieces: Annotated[Pieces | None, Nested("pieces", packed=True)] = None
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@record
 class Interface:
     """A named point where joints, loads and masses attach.
 
@@ -107,7 +108,7 @@ class Interface:
     ] = None
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@record
 class SectionData:
     """A beam cross-section of the body.
 
@@ -139,7 +140,7 @@ class SectionData:
     ] = None
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@record
 class BodyRecovery:
     """Resultants of a beam at stations x along its reference line.
 
@@ -156,7 +157,7 @@ class BodyRecovery:
     A_BE: Annotated[Array, Data("3, 3", "-", "section to B", "rotation, section axes to body axes")]
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@record
 class LaminateData:
     """A laminate of the body; plies are listed from bottom to top along e3."""
 
@@ -188,7 +189,7 @@ class LaminateData:
     ] = None
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@record
 class CellResultants:
     """Mean resultants of cells: resultants_E[j] @ q are those of cell `cell[j]`."""
 
@@ -200,7 +201,7 @@ class CellResultants:
     ]
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@record
 class FaceStresses:
     """Stresses at the middle of outer faces of a solid: stress_M[j] @ q are those of `cell[j]`.
 
@@ -221,7 +222,7 @@ class FaceStresses:
     ] = None
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@record
 class ModalPackage:
     """One flexible body, reduced to its modes."""
 

@@ -10,7 +10,7 @@ its first axis defines the size; groups of named members take the sizes of the b
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from functools import cache
 from types import NoneType
 from typing import Annotated, Any, NamedTuple, TypeVar, get_args, get_origin, get_type_hints
@@ -20,6 +20,7 @@ import numpy as np
 
 from ...errors import PackageError, did_you_mean
 from ...math.arrays import Array, IntArray
+from ...math.records import record
 from .container import as_text, get_text, is_text, new_dataset, set_text, text_array
 from .findings import Remark
 from .plain_data import json_table, json_text
@@ -488,7 +489,7 @@ def _fault(spec: Data, item: h5py.Dataset, sizes: Sizes) -> str:
     return ""
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@record
 class Reported:
     """Warnings {"code", "message"} as they are stored."""
 

@@ -7,7 +7,7 @@ that is absent has the derivative zero. Other producers may write the group (doc
 
 import json
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, TypeVar
 
 import h5py
@@ -15,6 +15,7 @@ import numpy as np
 
 from ...errors import PackageError, did_you_mean
 from ...math.arrays import Array
+from ...math.records import record
 from .container import get_text, set_text
 from .dataset import Datasets, all_values, check_name, rebuilt
 from .findings import Remark, finite
@@ -24,7 +25,7 @@ Object = TypeVar("Object")
 GROUP = "design"
 
 
-@dataclass(frozen=True)
+@record
 class Derivative:
     """Derivatives of the arrays of an object by one parameter.
 

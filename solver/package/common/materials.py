@@ -30,6 +30,7 @@ import numpy as np
 
 from ...errors import did_you_mean
 from ...math.arrays import REGULAR, Array
+from ...math.records import record
 
 _UNITS = {"E": "Pa", "G": "Pa", "n": "-", "r": "kg/m3"}  # by first letter of the key
 
@@ -271,7 +272,7 @@ UPPER = np.triu_indices(6)
 KEYS = ("kind", "C", "rho", "name")
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Anisotropic:
     """A material by its stiffness.
 
@@ -347,7 +348,7 @@ _REQUIRED = {"orthotropic": ("Xt", "Xc", "Yt", "Yc", "S12"), "isotropic": ("yiel
 _OPTIONAL = {"orthotropic": ("Zt", "Zc", "S13", "S23", "F12_star"), "isotropic": ()}
 
 
-@dataclass(frozen=True)
+@record
 class PlyStrength:
     """Magnitude of each uniaxial stress at failure of a ply [Pa]; t tension, c compression.
 

@@ -15,7 +15,6 @@ import json
 import sys
 import warnings
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Generic, Literal, TypeVar
 
@@ -24,6 +23,7 @@ import numpy as np
 
 from ...errors import PackageError
 from ...math.disk_cache import DiskCache, sources_sha256
+from ...math.records import record
 from .container import (
     content_sha256,
     contents,
@@ -45,7 +45,7 @@ UNITS = "SI"
 CHECKSUM = "content_sha256"
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@record
 class FileFormat:
     """One file format: its name, version, and the group of its data."""
 
@@ -318,7 +318,7 @@ Object = TypeVar("Object")
 Loaded = TypeVar("Loaded")
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@record
 class ObjectFormat(FileFormat, Generic[Object]):
     """The format of an object that a dataclass describes (dataset.py)."""
 

@@ -1,6 +1,6 @@
 """Plies, and data for their stresses: what the files of sections, shells and bodies share.
 
-A body loads these classes alone: each dataclass takes a millisecond of every run's start.
+A body loads these classes alone: each dataclass takes time of every run's start.
 Resultants of a section, stresses and sizes as in section/section_schema.py.
 """
 
@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from ...math.arrays import Array, IntArray
+from ...math.records import record
 from .dataset import Data, Rows
 
 RESULTANTS = ("F1", "F2", "F3", "M1", "M2", "M3")
@@ -26,7 +27,7 @@ class Ply:
     angle_deg: Annotated[float, Data("", "deg", "layer", "fibre angle from x1 towards y2")]
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@record
 class SectionRecovery:
     """Data for strains and stresses of every integration point from the six resultants.
 

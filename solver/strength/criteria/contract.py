@@ -14,16 +14,16 @@ R, with R the smallest factor on the stress at which it fails. It is proportiona
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ...math.arrays import Array, IntArray
+from ...math.records import record
 from ...package.common.materials import PlyStrength, YieldStrength
 
 
-@dataclass(frozen=True)
+@record
 class Verdict:
     """Result of a criterion for stresses (..., 6); the arrays have the shape (...)."""
 

@@ -1,12 +1,12 @@
 """Treatments of the constraints, their parameters, and the scaled constraint equations."""
 
-from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 
 from ....errors import did_you_mean
 from ....math.arrays import Array
+from ....math.records import record
 
 IMPLICIT = ("ggl", "index3")  # solved within the step, by integrators that say so
 # In the order of docs/constraints.md.
@@ -43,7 +43,7 @@ class TreatmentKeys(Protocol):
         """Of augmented-lagrangian [-]."""
 
 
-@dataclass(frozen=True)
+@record
 class Treatment:
     """Name and parameters; those of other treatments have no effect.
 

@@ -32,7 +32,7 @@ rows(one, two, parameters, rows) -> None
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any, ClassVar, NamedTuple
 
 from ....math.arrays import Array, Triple
@@ -47,6 +47,7 @@ from ....math.catalogue import (
     Three,
     argument_names,
 )
+from ....math.records import record
 from ...model.motion import DAMPING, FORCE, N_ELEMENT_ROW, STIFFNESS  # noqa: F401, of rows
 
 Key = Direction | Number | Three | OfTime
@@ -81,7 +82,7 @@ def as_given(values: Mapping[str, Any], shift: Array) -> Mapping[str, Any]:
     return values
 
 
-@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+@record(kw_only=True)
 class ForceElement:
     """What all kinds have in common.
 
@@ -131,7 +132,7 @@ class State(NamedTuple):
     upwards: bool = True
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@record
 class Terms:
     """A force as expressions (math/expressions/parse.py).
 
@@ -157,7 +158,7 @@ class Terms:
     friction: str = ""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+@record(kw_only=True)
 class CoordinateForce(ForceElement):
     """A force along a coordinate of a joint, or along the line between two places.
 
@@ -175,7 +176,7 @@ class CoordinateForce(ForceElement):
     terms: Callable[[Mapping[str, Any]], Terms]
 
 
-@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+@record(kw_only=True)
 class Contact(CoordinateForce):
     """A contact of a sphere about the second place with a plane or a sphere at the first.
 
@@ -185,7 +186,7 @@ class Contact(CoordinateForce):
     """
 
 
-@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+@record(kw_only=True)
 class KernelForce(ForceElement):
     """An element or a load, whose wrench is a kernel."""
 
@@ -195,7 +196,7 @@ class KernelForce(ForceElement):
         _check(self.kind, "wrench", self.wrench)
 
 
-@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+@record(kw_only=True)
 class Load(KernelForce):
     """A load from outside at one place; nothing acts back.
 
@@ -206,7 +207,7 @@ class Load(KernelForce):
     parameters: ClassVar[tuple[str, ...]] = ("direction x", "direction y", "direction z")
 
 
-@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+@record(kw_only=True)
 class Element(KernelForce):
     """An element between two places.
 

@@ -30,11 +30,11 @@ markers have the same axes; their origins are the two places.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
 
 from ....math.arrays import Array
 from ....math.catalogue import Direction, Number, argument_names
+from ....math.records import record
 
 Rows = Callable[..., None]
 Numbers = dict[str, float]
@@ -43,7 +43,7 @@ OF_ALL = ("rows", "k", "one", "two")
 OF_A_LAW = ("f", "f_d", "f_dd")  # value and rates of a drive's law [rad or m, s]
 
 
-@dataclass(frozen=True)
+@record
 class Displacement:
     """Coordinate: origin of marker two along an axis of marker one [m]."""
 
@@ -53,7 +53,7 @@ class Displacement:
     meaning = "displacement [m] along the axes of the joint, z its `axis`"
 
 
-@dataclass(frozen=True)
+@record
 class Angle:
     """Coordinate: from axis `x` of one marker towards its axis `y`, to axis `arm` of the other."""
 
@@ -71,7 +71,7 @@ X, Y, Z = (Displacement(name, axis) for axis, name in enumerate("xyz"))
 ANGLE = Angle("angle", "angle [rad] about the axis, over any number of turns", 1, 0, 1, 0)
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@record
 class Constraint:
     """What joints and drives have in common."""
 
@@ -95,13 +95,13 @@ class Constraint:
             )
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@record
 class CouplingKind(Constraint):
     """Row of a coupling of several joints (dynamics/elements/couplings), which is filled
     elsewhere."""
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@record
 class Drive(Constraint):
     """Rows that prescribe a coordinate; their kernel takes f, f_d, f_dd (OF_A_LAW).
 
@@ -142,7 +142,7 @@ def as_given(values: Mapping[str, Any], shift: Array) -> Numbers:
     return {key: float(value) for key, value in values.items() if key != "between"}
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@record
 class Joint(Constraint):
     """A joint of the case file.
 
