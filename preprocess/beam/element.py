@@ -138,8 +138,6 @@ class BeamElement:
         """
         if mass_form == "lumped":
             return np.asarray(np.kron(np.eye(2), 0.5 * self.length * mass))
-        if mass_form != "consistent":
-            raise ValueError(f"mass form {mass_form!r}: expected consistent or lumped")
         x, w = gauss(self.length, MASS_POINTS)
         N = self.shape(x)
         M = np.tensordot(w, np.swapaxes(N, 1, 2) @ mass @ N, 1)

@@ -5,13 +5,13 @@ arithmetic bounds every part of the expression over any part of the step, and sa
 get onto another branch (docs/adr/0053).
 """
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..dynamics.model.model import SLIP, SPIN, Model
-from ..math.arrays import Array, IntArray, distinct
+from ..math.arrays import Array, IntArray, distinct, zeros_of
 from ..math.compiled import inlined, lean, structure
 from ..math.expressions import operations as op
 from ..math.expressions.operations import Programs
@@ -47,14 +47,15 @@ class Watched(NamedTuple):
     points: Array  # (s,) parts of a step at which forces are evaluated
     span: Array  # (n, 2) least and largest value of each part so far
     quiet: Array  # (1 + l, 2) bounds of time and quantities within which no part varies much
-    path: Array  # (1 + l, 4) coefficients of the powers of the part of a step
-    box: Array  # (1 + l, 2) bounds over an interval
-    bounds: Array  # (n, 2) of the parts
-    breaks: IntArray  # (n,) of the parts: whether they may break, or their branches at a point
-    branches: IntArray  # (n,) at the begin of an interval
-    limits: Array  # (n, 2) of each part, beyond which it was not seen
+    path: Annotated[Array, "read, 4"]  # coefficients of the powers of the part of a step
+    box: Annotated[Array, "read, 2"]  # bounds over an interval
+    bounds: Annotated[Array, "parts, 2"]  # of the parts
+    # of the parts: whether they may break, or their branches at a point
+    breaks: Annotated[IntArray, "parts"]
+    branches: Annotated[IntArray, "parts"]  # at the begin of an interval
+    limits: Annotated[Array, "parts, 2"]  # of each part, beyond which it was not seen
     cells: Array  # (2, MOST_CELLS, 2) parts of a step, and those that they are divided into
-    beside: Array  # (5,) values of the expression about a bend
+    beside: Annotated[Array, "5"]  # values of the expression about a bend
 
 
 def watched_expression(model: Model, p: int, points: Array, cells: Array) -> Watched | None:
@@ -80,30 +81,24 @@ def watched_expression(model: Model, p: int, points: Array, cells: Array) -> Wat
     # rates of states follow all quantities
     states, every = 2 * n + model.n_aux, 2 * n + model.n_aux + len(model.quantities.reaction_joint)
     of_states = np.where((loads >= 2 * n) & (loads < states), every + loads - 2 * n, -1)
-    nothing = np.array([np.inf, -np.inf])
-    parts, read = len(curved), 1 + len(loads)
-    return Watched(
-        programs,
-        p,
-        model.quantities.stack,
-        bool((codes == op.TIME).any()),
-        bool(np.isin(codes, list(RISING)).any()),
-        loads,
-        np.where(cubic, loads + 1, of_states),
-        np.where(rates, loads - 1, -1),
-        curved.astype(np.int64),
-        np.isin(codes[~np.isin(codes, list(op.PUSHES))], list(BREAKING)).astype(np.int64),
-        points,
-        np.tile(nothing, (parts, 1)),
-        np.tile(nothing, (read, 1)),
-        np.zeros((read, 4)),
-        np.zeros((read, 2)),
-        np.zeros((parts, 2)),
-        np.zeros(parts, dtype=np.int64),
-        np.zeros(parts, dtype=np.int64),
-        np.zeros((parts, 2)),
-        cells,
-        np.zeros(5),
+    nothing, last = np.array([np.inf, -np.inf]), codes[~np.isin(codes, list(op.PUSHES))]
+    return zeros_of(
+        Watched,
+        {"parts": len(curved), "read": 1 + len(loads)},
+        programs=programs,
+        program=p,
+        stack=model.quantities.stack,
+        timed=bool((codes == op.TIME).any()),
+        rises=bool(np.isin(codes, list(RISING)).any()),
+        loads=loads,
+        slope=np.where(cubic, loads + 1, of_states),
+        mean=np.where(rates, loads - 1, -1),
+        curved=curved.astype(np.int64),
+        breaking=np.isin(last, list(BREAKING)).astype(np.int64),
+        points=points,
+        span=np.tile(nothing, (len(curved), 1)),
+        quiet=np.tile(nothing, (1 + len(loads), 1)),
+        cells=cells,
     )
 
 

@@ -299,12 +299,6 @@ def assemble_model(
     moving = [*point_masses, *enumerate(own_mass, first_piece)]
     markers = [*markers, *own]
     n_mode = np.array([b.mass.shape[0] for b in bodies], dtype=np.int64)
-    for marker in markers:
-        expected = 0 if marker.body == GROUND else int(n_mode[marker.body])
-        if marker.phi.shape != (3, expected) or marker.psi.shape != (3, expected):
-            raise ValueError(
-                f"marker shapes {marker.phi.shape}, {marker.psi.shape}: expected (3, {expected})"
-            )
     joints = [*joints, *(_coupling(row, measured) for row in measured.couplings)]
     kinds = np.array([KINDS[j.kind] for j in joints], dtype=np.int64)
     laws: list[Law] = []

@@ -386,24 +386,18 @@ class Spectrum(NamedTuple):
     """Memory of the search; vectors by place."""
 
     every: IntArray  # (n_c,) 1: all rows
-    G: Array  # profile of C C'
-    shifted: Array  # and of the factors of C C' - mu
-    pivot: Array  # (n_c,)
+    G: Annotated[Array, "size"]  # profile of C C'
+    shifted: Annotated[Array, "size"]  # and of the factors of C C' - mu
+    pivot: Annotated[Array, "n"]
     x: Array  # (n_c,) the singular vector found last: a good start for a state close by
-    across: Array  # (n_c,) sums of the rows of |C_a - C_b|
+    across: Annotated[Array, "n"]  # sums of the rows of |C_a - C_b|
 
 
 def new_spectrum(rows: Independence) -> Spectrum:
     """Return memory for the rows of a model."""
     n_c, size = rows.kept.size, rows.H.size
-    return Spectrum(
-        np.ones(n_c, dtype=np.int64),
-        np.zeros(size),
-        np.zeros(size),
-        np.zeros(n_c),
-        np.cos(np.arange(1.0, n_c + 1.0)) / np.sqrt(max(n_c, 1)),  # an arbitrary direction
-        np.zeros(n_c),
-    )
+    x = np.cos(np.arange(1.0, n_c + 1.0)) / np.sqrt(max(n_c, 1))  # an arbitrary direction
+    return zeros_of(Spectrum, {"n": n_c, "size": size}, every=np.ones(n_c, dtype=np.int64), x=x)
 
 
 @lean

@@ -68,8 +68,7 @@ class Tables:
         if not isinstance(value, dict):
             known = [str(name) for name in parent if name != key]
             hint = nearest(key, known) if value is None else ""
-            message = "missing" if value is None else f"has {_kind(value)}"
-            raise self.error(path, f"{message}; expected a table of windIO 2{hint}")
+            raise self.error(path, f"{_found(value)}; expected a table of windIO 2{hint}")
         return value
 
     def entries(self, parent: Table, path: str, *, required: bool = False) -> list[Table]:
@@ -85,8 +84,7 @@ class Tables:
         if value is None and not required:
             return []
         if not isinstance(value, list):
-            message = "missing" if value is None else f"has {_kind(value)}"
-            raise self.error(path, f"{message}; expected a list of tables")
+            raise self.error(path, f"{_found(value)}; expected a list of tables")
         for i, entry in enumerate(value):
             if not isinstance(entry, dict):
                 raise self.error(f"{path}[{i}]", f"has {_kind(entry)}; expected a table")
@@ -113,8 +111,7 @@ class Tables:
         """Return the name of the last part of `path`."""
         value = parent.get(path.rpartition(".")[2])
         if isinstance(value, bool) or not isinstance(value, str | int | float):
-            message = "missing" if value is None else f"has {_kind(value)}"
-            raise self.error(path, f"{message}; expected a name")
+            raise self.error(path, f"{_found(value)}; expected a name")
         return str(value)
 
     def numbers(self, parent: Table, path: str, count: int | None = None) -> Array:
@@ -146,8 +143,7 @@ class Tables:
         """Return the quantity along the span of the last part of `path`."""
         value = parent.get(path.rpartition(".")[2])
         if not isinstance(value, dict) or not {"grid", "values"} <= value.keys():
-            message = "missing" if value is None else f"has {_kind(value)}"
-            message = "lacks grid or values" if isinstance(value, dict) else message
+            message = "lacks grid or values" if isinstance(value, dict) else _found(value)
             raise self.error(path, f"{message}; expected a table with grid and values")
         grid, values = (self.numbers(value, f"{path}.{key}") for key in ("grid", "values"))
         if len(grid) != len(values):
@@ -158,6 +154,11 @@ class Tables:
             message = f"{grid[0]:g} to {grid[-1]:g}; expected 0 at the root to 1 at the tip"
             raise self.error(f"{path}.grid", message)
         return Along(grid, values)
+
+
+def _found(value: Any) -> str:
+    """What is in the place of an expected entry."""
+    return "missing" if value is None else f"has {_kind(value)}"
 
 
 def _kind(value: Any) -> str:

@@ -40,8 +40,6 @@ def changed_basis(
     damping : (k, k) new modal damping; None: T' D T  [N m s]
     """
     m, k = T.shape
-    if m != package.n_mode:
-        raise ValueError(f"basis of {m} rows: expected {package.n_mode}, the modes of the package")
     if not k:
         places = (replace(place, H_B=None, H_psi_B=None) for place in package.interfaces)
         package = replace(package, interfaces=tuple(places), second_order=None)

@@ -298,12 +298,7 @@ def _laminate(laminate: ShellLaminate) -> dict[str, object]:
     return {
         "stacking": stacking(laminate),
         "plies": [
-            {
-                "material": ply.material,
-                "angle_deg": ply.angle_deg,
-                "bottom": ply.bottom,
-                "top": ply.top,
-            }
+            {key: getattr(ply, key) for key in ("material", "angle_deg", "bottom", "top")}
             for ply in laminate.plies
         ],
         "thickness": laminate.thickness,

@@ -4,13 +4,7 @@ from collections.abc import Mapping
 from contextlib import suppress
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar, Union
 
-from pydantic import (
-    BeforeValidator,
-    ConfigDict,
-    Field,
-    create_model,
-    model_validator,
-)
+from pydantic import BeforeValidator, ConfigDict, Field, create_model, model_validator
 
 from ....dynamics.elements.couplings.contract import Coupling
 from ....dynamics.elements.couplings.table import COUPLINGS
@@ -24,14 +18,13 @@ from ....dynamics.elements.forces.contract import (
 from ....dynamics.elements.forces.table import FORCES
 from ....dynamics.elements.joints.contract import FREEDOMS, Angle, Coordinate, DrivenBy, Joint
 from ....dynamics.elements.joints.table import JOINTS
-from ....math.catalogue import (
-    Number,
-)
+from ....math.catalogue import Number
 from ...common.input_table import Axis, Name, Table, entry, optional
 from .laws import LoadLaw, field_of
 from .signals import JointCoordinate
 
 Kind = TypeVar("Kind", bound=Table)
+Two = Annotated[list[str], Field(min_length=2, max_length=2)]  # places
 ALONG = "m or rad"  # unit of keys that are lengths or angles, as the coordinate of a force is
 CURVE = "force_displacement.x"
 START = (
@@ -66,11 +59,9 @@ def table_of(base: type[Kind], group: str, kind: Joint | Coupling | ForceElement
 class JointTable(Table):
     """Keys of every joint."""
 
-    between: list[str] = entry(
+    between: Two = entry(
         'two places: "BODY.INTERFACE" or "ground.POINT"; motion is that of the second relative to'
-        " the first",
-        min_length=2,
-        max_length=2,
+        " the first"
     )
     kind: str
 
@@ -84,7 +75,7 @@ class FreeJoint(Table):
 
     model_config = ConfigDict(extra="allow")
 
-    between: list[str] = entry("two places, as of every joint", min_length=2, max_length=2)
+    between: Two = entry("two places, as of every joint")
     free: list[Literal["x", "y", "z", "rx", "ry", "rz"]] = entry(
         "displacements along and rotations about global directions at the start"
     )
@@ -180,9 +171,7 @@ else:
 class ElementTable(Table):
     """Keys of every element between two places."""
 
-    between: list[str] = entry(
-        'two places: "BODY.INTERFACE" or "ground.POINT"', min_length=2, max_length=2
-    )
+    between: Two = entry('two places: "BODY.INTERFACE" or "ground.POINT"')
     kind: str
 
 
@@ -201,19 +190,17 @@ class LoadTable(Table):
 class CoordinateTable(Table):
     """Keys of every force along a coordinate."""
 
+    one_of = ("joint", "between")
+
     joint: Name | None = optional("the joint whose coordinate it acts along; or `between`")
     coordinate: JointCoordinate | None = optional("of the joint; absent: the only one that it has")
-    between: list[str] | None = optional(
-        "in place of `joint`, two places: the coordinate is their distance",
-        min_length=2,
-        max_length=2,
+    between: Two | None = optional(
+        "in place of `joint`, two places: the coordinate is their distance"
     )
     kind: str
 
     @model_validator(mode="after")
     def _one_coordinate(self) -> "CoordinateTable":
-        if (self.joint is None) == (self.between is None):
-            raise ValueError("expected either `joint` or `between`")
         if self.coordinate is not None and self.joint is None:
             raise ValueError("expected `coordinate` with `joint` only")
         return self
@@ -222,11 +209,9 @@ class CoordinateTable(Table):
 class ContactTable(Table):
     """Keys of every contact of a sphere with a plane or a sphere."""
 
-    between: list[str] = entry(
+    between: Two = entry(
         'two places: "BODY.INTERFACE" or "ground.POINT"; the first one is in the plane or the '
-        "centre of a sphere, the second one the centre of a sphere",
-        min_length=2,
-        max_length=2,
+        "centre of a sphere, the second one the centre of a sphere"
     )
     axis: Axis | None = optional(
         "normal of the plane at the start, global, towards the sphere; fixed in the first place; "
