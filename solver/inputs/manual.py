@@ -48,7 +48,8 @@ def keys(table: Mapping[str, Any]) -> list[str]:
 
 
 def _row(name: str, key: Mapping[str, Any], required: bool) -> str:
-    default = "required" if required else f"`{key.get('default', 'absent')}`"
+    value = key.get("default", "absent")
+    default = "required" if required else f"`{value}`" if value != "" else '`""`'
     meaning = key.get("description") or ("kind of this table" if name in IDENTITY else "")
     options = [key, *key.get("anyOf", ())]
     limits = [text for option in options for text in _limits(option)]
