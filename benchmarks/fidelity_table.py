@@ -53,9 +53,9 @@ def figures(found: Table) -> list[str]:
         f"All rounds of planning take {found['all_rounds_ratio_median']:.2f} of all modes.",
         f"In {found['worse_when_tighter']} pairs of requests the tighter one misses with a larger "
         "error than the other;",
-        f"in {found['worse_beyond_doubt']} of them the difference is more than the truth can tell.",
+        f"in {found['worse_beyond_doubt']} of them by more than the error of the reference.",
         "",
-        "How far the truth can tell each signal, of its largest value:",
+        "Error of the reference, of the largest value of each signal:",
         "",
         *_by_signal({name: [*scene["doubt"].values()] for name, scene in found["scenes"].items()}),
     ]
