@@ -169,7 +169,7 @@ class Case(Builders):
     sweeps = _Group()
 
     def __init__(self, name: str = "case", *, title: str = "", **keys: Any) -> None:
-        if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_.-]*", name):
+        if not (isinstance(name, str) and re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_.-]*", name)):
             raise InputError(f"Case({name!r}): expected a name of letters, digits and _ . -")
         self.name, self.folder = name, Path()
         self.table: Tables = {"format": 1, "title": title or name, "runs": {"base": {}}, **keys}
@@ -275,7 +275,11 @@ def load(file: str | Path, *, coarse: bool = False) -> Case:
 
 def as_case(case: "Case | str | Path") -> Case:
     """Return a case, or read it from its file; it is not checked."""
-    return case if isinstance(case, Case) else Case._from_file(case_file(Path(case)))
+    if isinstance(case, Case):
+        return case
+    if not isinstance(case, str | Path):
+        raise InputError(f"{case!r}: expected a Case, or the path of a case file")
+    return Case._from_file(case_file(Path(case)))
 
 
 def _singular(group: str) -> str:

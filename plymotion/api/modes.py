@@ -246,7 +246,7 @@ def modes(
     Traceback (most recent call last):
     plymotion.solver.errors.InputError: --at t=2: expected a time from 0 to solver.t_end = 1 s
     """
-    place = at_of(at)
+    place = at_of(str(at))
     if place.speeds is not None and place.speeds.size > 1:
         raise InputError(f"modes(): at = {at!r}: expected one speed; campbell() takes several")
     return Modes(_states(case, run, packages, coarse=coarse), place, _axis(axis))

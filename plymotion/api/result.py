@@ -5,6 +5,7 @@ from contextlib import AbstractContextManager
 from functools import cached_property
 from pathlib import Path
 from typing import Any
+from weakref import WeakSet
 
 import numpy as np
 
@@ -49,6 +50,8 @@ class Result:
     def __init__(self, folder: str | Path, summary: Summary | None = None) -> None:
         self.folder = Path(folder)
         self.summary = read_summary(self.folder / "summary.json") if summary is None else summary
+        self._stamp = _stamp(self.folder)
+        _MADE.add(self)
 
     @classmethod
     def from_folder(cls, folder: str | Path) -> "Result":
@@ -72,6 +75,11 @@ class Result:
         >>> data.q.shape[0] == data.t.size
         True
         """
+        if self._stamp not in (None, _stamp(self.folder)):
+            raise InputError(
+                f"{self.folder / 'result.vtkhdf'}: a later run has replaced it; expected another "
+                "folder for that, by out="
+            )
         return read_result(self.folder / "result.vtkhdf")
 
     @property
@@ -206,6 +214,18 @@ class Result:
         return page
 
 
+_MADE: WeakSet[Result] = WeakSet()  # which may not have read their files
+
+
+def _stamp(folder: Path) -> tuple[int, int] | None:
+    """Return what tells one file of results in a folder from a later one, if it is there."""
+    try:
+        found = (folder / "result.vtkhdf").stat()
+    except OSError:
+        return None
+    return found.st_ino, found.st_mtime_ns
+
+
 def run(
     case: Case | str | Path,
     run: str | None = None,
@@ -256,6 +276,9 @@ def run(
         file, target = written(checked, folder, f"runs/{run}.json", packages), folder / run
         if force or not up_to_date(file, target):
             tell_if_slow()
+            for made in list(_MADE):  # a later result in the same folder is not theirs
+                if made.folder == target and made._stamp == _stamp(target) is not None:
+                    _ = made.data
             run_one(file, target, progress=progress, allow_python=allow_python)
         return Result(target)
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from functools import cached_property
+from numbers import Real
 from pathlib import Path
 from typing import Any
 
@@ -94,27 +95,29 @@ class Simulation:
         >>> sim.t
         0.001
         """
-        if not 0.0 < dt < np.inf:
-            raise InputError(f"step({dt!r}): expected a time above 0 [s]")
+        _require_time("step(", dt)
         if inputs is not None:
             self._take(inputs)
         self._stepper.move(self._stepper.t + dt, self._values)
 
     def _take(self, inputs: Inputs | None) -> None:
+        values = self._values.copy()
         if isinstance(inputs, Mapping):
             for name, value in inputs.items():
                 if name not in self.inputs:
                     raise InputError(f"no input {name!r}{nearest(name, self.inputs)}")
-                self._values[self.inputs.index(name)] = value
+                found = _numbers(name, value)
+                if len(found) != 1:
+                    raise InputError(f"{name}: {len(found)} values; expected 1")
+                values[self.inputs.index(name)] = found[0]
         elif inputs is not None:
-            if len(inputs) != len(self.inputs):
+            values = _numbers("inputs", inputs)
+            if len(values) != len(self.inputs):
                 raise InputError(
-                    f"inputs: {len(inputs)} values; expected {len(self.inputs)}, in the order "
+                    f"inputs: {len(values)} values; expected {len(self.inputs)}, in the order "
                     f"{', '.join(self.inputs)}"
                 )
-            self._values[:] = inputs
-        if not np.isfinite(self._values).all():
-            raise InputError("inputs: expected finite numbers")
+        self._values = values
 
     @property
     def t(self) -> float:
@@ -142,8 +145,11 @@ class Simulation:
 
     @state.setter
     def state(self, state: tuple[Kept, Array]) -> None:
-        self._stepper.restore(state[0])
-        self._values[:] = state[1]
+        kept, values = (
+            state if isinstance(state, tuple) and len(state) == 2 else (None, self._values)
+        )
+        self._stepper.restore(kept)
+        self._values = values.copy()
 
     @property
     def y(self) -> Array:
@@ -249,9 +255,10 @@ class Simulation:
         n = len(joints.names)
         given = [np.zeros(n), np.zeros(n)]
         for whole, part in zip(given, (q, [] if qd is None else qd), strict=True):
-            if len(part) > n:
-                raise InputError(f"place: {len(part)} values; expected at most {n}")
-            whole[: len(part)] = part
+            values = _numbers("place", part)
+            if len(values) > n:
+                raise InputError(f"place: {len(values)} values; expected at most {n}")
+            whole[: len(values)] = values
         self._stepper.place(joints.state(0.0, self._stepper.y, *given), self._values)
 
     def equations(self) -> Projected:
@@ -299,6 +306,22 @@ class Simulation:
         return f"<Simulation at t = {self.t:.6g} s: {len(self.inputs)} inputs>"
 
 
+def _require_time(call: str, value: Any) -> None:
+    if not (isinstance(value, Real) and 0.0 < float(value) < np.inf):
+        raise InputError(f"{call}{value!r}): expected a time above 0 [s]")
+
+
+def _numbers(what: str, values: object) -> Array:
+    """Return finite numbers of the caller (k,), in a new array."""
+    try:
+        found = np.atleast_1d(np.asarray(values))
+    except ValueError:  # lists of different lengths
+        found = np.zeros((0, 0))
+    if found.ndim != 1 or found.dtype.kind not in "iuf" or not np.isfinite(found).all():
+        raise InputError(f"{what} = {values!r}: expected finite numbers")
+    return found.astype(float)
+
+
 def simulate(
     case: Case | str | Path,
     run: str | None = None,
@@ -341,8 +364,8 @@ def simulate(
     >>> sim
     <Simulation at t = 0.01 s: 0 inputs>
     """
-    if fixed_step is not None and not 0.0 < fixed_step < np.inf:
-        raise InputError(f"simulate(fixed_step={fixed_step!r}): expected a time above 0 [s]")
+    if fixed_step is not None:
+        _require_time("simulate(fixed_step=", fixed_step)
     checked, run, folder = chosen(case, run, out)
     with named(out):
         spec = read_run(written(checked, folder, f"runs/{run}.json", packages))

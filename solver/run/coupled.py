@@ -476,7 +476,7 @@ class Stepper:
         InputError
             A state of another run.
         """
-        if kept.owner is not self:
+        if not (isinstance(kept, Kept) and kept.owner is self):
             raise InputError("state: expected one of this simulation")
         if kept.prepared is not self.prepared:  # of before another start
             self._begin(kept.prepared)

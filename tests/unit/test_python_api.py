@@ -131,6 +131,14 @@ def test_numbers_and_starts_follow_a_changed_parameter(swing):
 
 
 def test_wrong_names_and_wrong_cases_say_so(swing):
+    case = pm.load(swing)
+    case.bodies["ground"] = case.bodies["rod"]  # joints at "ground.hinge" would not mean it
+    with pytest.raises(pm.InputError, match=r"bodies\.ground: expected another name"):
+        case.check()
+    with pytest.raises(pm.InputError, match=r"Case\(3\): expected a name"):
+        pm.Case(3)
+    with pytest.raises(pm.InputError, match=r"--at 5.0: expected start, "):
+        pm.modes(swing, "base", at=5.0)
     with pytest.raises(pm.InputError, match="expected the name of a run: base, moon"):
         pm.run(swing)
     with pytest.raises(pm.InputError, match="no run 'mon'; did you mean 'moon'"):
@@ -148,6 +156,26 @@ def test_wrong_names_and_wrong_cases_say_so(swing):
     case.bodies["rod"]["mas"] = 1.0
     with pytest.raises(pm.InputError, match=r"swing\.toml: bodies\.rod\.mas: unknown key"):
         pm.run(case, "base")
+
+
+def test_a_result_keeps_its_numbers_when_its_folder_gets_another(swing):
+    """Signals are read when they are asked for; a later run may have replaced the file by then."""
+    case = pm.load(swing)
+    first = pm.run(case, "base")
+    wanted = pm.Result.from_folder(first.folder).signals["tip_z"].final
+    left = pm.Result(first.folder.absolute())  # another spelling of the folder, as of a process
+    case.gravity = [0.0, 0.0, -1.62]
+    second = pm.run(case, "base")
+    assert second.signals["tip_z"].final > wanted + 0.1
+    assert first.signals["tip_z"].final == wanted
+    with pytest.raises(pm.InputError, match=r"result.vtkhdf: a later run has replaced it; exp"):
+        _ = left.signals
+
+
+@pytest.mark.parametrize("case", [{"format": 1}, None])
+def test_what_is_no_case_says_so(case):
+    with pytest.raises(pm.InputError, match="expected a Case, or the path of a case file"):
+        pm.run(case)
 
 
 def test_every_key_of_a_case_file_is_an_attribute_and_others_are_refused(swing):

@@ -151,10 +151,17 @@ def test_what_is_refused(arm: pm.Simulation, folder: Path) -> None:
         arm.step(1e-3, {"forces.shoulder": 1.0})
     with pytest.raises(pm.InputError, match=r"inputs: 1 values; expected 2, in the order forces"):
         arm.step(1e-3, [1.0])
-    with pytest.raises(pm.InputError, match="expected finite numbers"):
-        arm.step(1e-3, [np.nan, 0.0])
-    arm.reset([0.0, 0.0])
-    for dt in (0.0, np.inf):
+    before = arm.y
+    for wrong in ([np.nan, 0.0], ["1", "2"], [[1.0, 2.0]], [None, 0.0], [[1.0], 2.0], "12"):
+        with pytest.raises(pm.InputError, match="expected finite numbers"):
+            arm.step(1e-3, wrong)
+        with pytest.raises(pm.InputError, match="expected finite numbers"):
+            arm.place(wrong)
+    for value, message in (("3", "finite numbers"), (None, "finite"), ([1.0, 2.0], "expected 1")):
+        with pytest.raises(pm.InputError, match=rf"forces\.shoulder_motor.*{message}"):
+            arm.step(1e-3, {"forces.shoulder_motor": value})
+    assert np.array_equal(arm.y, before)
+    for dt in (0.0, np.inf, np.nan, "0.01", None):
         with pytest.raises(pm.InputError, match=r"expected a time above 0"):
             arm.step(dt)
     with pytest.raises(pm.InputError, match=r"no place 'wrist\.top'; did you mean 'wrist\.tip'"):
@@ -166,6 +173,11 @@ def test_what_is_refused(arm: pm.Simulation, folder: Path) -> None:
     other = pm.simulate(folder, out=folder / "build")
     with pytest.raises(pm.InputError, match="expected one of this simulation"):
         other.state = arm.state
+    for state in (None, arm.y, arm.state[0]):
+        with pytest.raises(pm.InputError, match="expected one of this simulation"):
+            arm.state = state
+    with pytest.raises(pm.InputError, match=r"fixed_step='a'\): expected a time above 0"):
+        pm.simulate(folder, fixed_step="a")
 
 
 def test_fixed_steps_converge_with_the_order_of_the_integrator(folder: Path) -> None:

@@ -68,8 +68,10 @@ def in_segments(mechanism: Mechanism) -> Mechanism:
 
 
 def check_names(mechanism: Mechanism) -> list[str]:
-    """Return bodies and joints of the case that have the name of a segment or of its joint."""
+    """Return bodies and joints with the name of the ground, of a segment or of its joint."""
     errors = []
+    if "ground" in mechanism.bodies:
+        errors.append('bodies.ground: expected another name, places "ground.POINT" are fixed')
     for name, body in mechanism.bodies.items():
         if not (isinstance(body, BeamBody) and body.segments > 1):
             continue
