@@ -153,8 +153,8 @@ def blade(
 ) -> Blade:
     """Analyse the cross-sections of a rotor blade from a windIO 2 file.
 
-    Stations that are up to date are read. What is doubtful about the file goes to the logger
-    "plymotion" as warnings. Needs FEniCSx and PyYAML.
+    Stations that are up to date are read. Doubtful data of the file are warnings of the logger
+    "plymotion". Needs FEniCSx and PyYAML.
 
     Parameters
     ----------
@@ -168,7 +168,7 @@ def blade(
     Raises
     ------
     InputError
-        The file is wrong, a station cannot be meshed or analysed, files of others are in the way.
+        The file is wrong, a station cannot be analysed, a file would be replaced.
 
     Examples
     --------

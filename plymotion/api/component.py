@@ -34,7 +34,7 @@ def openmdao_component(
     Raises
     ------
     InputError
-        A mistake in the case or the study; OpenMDAO is not there; a first design that is invalid.
+        A mistake in the case or the study; OpenMDAO is missing; an invalid first design.
 
     Examples
     --------

@@ -24,7 +24,7 @@ from .signal import pyplot, table
 
 
 class Optimum:
-    """What a study has left in its folder.
+    """The results of a study.
 
     Attributes
     ----------

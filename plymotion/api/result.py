@@ -27,7 +27,7 @@ from .signal import Signal, pandas, pyplot, signals_table, table
 
 
 class Result:
-    """What a run has left in its folder.
+    """The results of a run.
 
     Attributes
     ----------
@@ -55,7 +55,7 @@ class Result:
 
     @classmethod
     def from_folder(cls, folder: str | Path) -> "Result":
-        """Return the result in a folder that a run has left. Raises InputError.
+        """Return the result of a run from its folder. Raises InputError.
 
         >>> import plymotion as pm
         >>> pm.Result.from_folder(pm.run("pendulum.toml").folder).run

@@ -86,7 +86,7 @@ class SweepSignal:
 
 
 class Sweep:
-    """What a sweep has left in its folder.
+    """The results of a sweep.
 
     Attributes
     ----------
