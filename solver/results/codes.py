@@ -100,6 +100,7 @@ def _of_files(*codes: str | tuple[str, float]) -> tuple[Code, ...]:
 # The end of a run.
 RUN_FAILED = _run("run-failed", "error", why="the integrator could not go on")
 RUN_INTERRUPTED = _run("run-interrupted", "error", why="interrupted")
+BUDGET_USED = _run("budget-used-up", "error", why="the budget is used up")
 UNDER_WAY = _run("run-under-way", "note")
 # Start and constraints.
 REDUNDANT = _run("redundant-constraints", "note")

@@ -33,7 +33,7 @@ from ..mechanism.equilibrium import given_spin
 from ..mechanism.python_functions import Called, python_functions, require_permission
 from ..mechanism.start import moved_findings, starting_state
 from ..package import ModalPackage
-from ..results.codes import BREAKS_UNSEARCHED, CHATTERS, RUN_INTERRUPTED, SINGULAR, Finding
+from ..results.codes import BREAKS_UNSEARCHED, BUDGET_USED, CHATTERS, SINGULAR, Finding
 from ..signals import Histories, Sensor, Turns, recorded, sensors
 from .inputs import RunSpec
 from .timing import work_s
@@ -393,7 +393,7 @@ class Allowance:
             return request
         whole = taken * self.t_end / t
         text = f"its {max(self.seconds, 0.0):.2g} s of CPU time are used up; the whole run takes "
-        return StopRequest(t, f"{text}about {whole:.2g} s", RUN_INTERRUPTED.name)
+        return StopRequest(t, f"{text}about {whole:.2g} s", BUDGET_USED.name)
 
 
 def complete(prepared: Prepared, seconds: float = np.inf) -> FinishedRun:

@@ -56,6 +56,7 @@ def test_planning_ends_with_the_budget():
         plan_of(*long(budget=1e-9))
 
 
+@pytest.mark.provokes("budget-used-up")
 @pytest.mark.parametrize("what", ["model", "check"])
 def test_model_and_check_end_with_the_budget(what):
     """The run that takes longer is stopped, and no other one begins."""
@@ -72,6 +73,10 @@ def test_model_and_check_end_with_the_budget(what):
     assert entry(answer)["delivered"] == {"run": "model", "error_at_most": {"force": None}}
     _, summary = answer.delivered.outcome()
     assert summary["completed"] == (what == "check")
+    stopped = answer.trial if what == "model" else answer.check
+    assert stopped is not None
+    _, summary = stopped.outcome()
+    assert "budget-used-up" in [finding["code"] for finding in summary["warnings"]]
 
 
 def test_a_check_takes_all_vibrations_that_respond():

@@ -25,7 +25,7 @@ from ....package.body.selection import (
     with_statics,
 )
 from ....package.specification import DIRECTIONS
-from ....results.codes import RUN_INTERRUPTED
+from ....results.codes import BUDGET_USED
 from ....run.inputs import RunSpec
 from ....run.preparation import complete, prepare
 from ...tolerances import FAINT
@@ -75,7 +75,7 @@ def _motion(
     mechanism = with_solver(spec.mechanism, BASE_RTOL, stiffening=False, on_invalid="warn")
     prepared = prepare(mechanism, {**spec.packages, **packages})
     solution = complete(prepared, seconds).solution
-    if solution.code == RUN_INTERRUPTED.name:
+    if solution.code == BUDGET_USED.name:
         raise BudgetError(
             f"fidelity.budget = {spec.fidelity.budget:g}: a plan needs the motion of rigid bodies, "
             f"which stopped at t = {solution.t[-1]:.4g} s: {solution.message}. Expected a larger "
