@@ -166,12 +166,12 @@ def not_checked(answer: Answer) -> list[str]:
 
 def entry(answer: Answer) -> dict[str, object]:
     """Return the entry `fidelity` of summary.json."""
-    fidelity = answer.spec.fidelity
-    indicators = answer.study.indicators
+    fidelity, delivered = answer.spec.fidelity, answer.delivered
+    scale = delivered.scales(fidelity.metric) if delivered else answer.study.indicators.scale
     return {
         "asked": fidelity.accuracy,
         "metric": fidelity.metric,
-        "scale": dict(zip(answer.names, indicators.scale.tolist(), strict=True)),
+        "scale": dict(zip(answer.names, scale.tolist(), strict=True)),
         "plan": answer.plan.table(),
         "losses": dict(zip(answer.names, answer.losses.tolist(), strict=True)),
         "estimate": estimate_entry(answer),

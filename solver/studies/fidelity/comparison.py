@@ -148,6 +148,14 @@ def kind_of_signal(name: str, signals: Mapping[str, Any]) -> str:
     return str(signals[[part for part, _ in _parts(name, signals)][-1]].kind)
 
 
+def bends(name: str, signals: Mapping[str, Any]) -> bool:
+    """Tell whether a signal follows from deformation alone, and has a bend where that is zero."""
+    table = [signals[part] for part, _ in _parts(name, signals)]
+    return all(s.kind in (*KINDS, "exposure", "deflection", "rotation") for s in table) and any(
+        s.kind in ("exposure", "norm") or getattr(s, "component", "") == "magnitude" for s in table
+    )
+
+
 def _parts(name: str, signals: Mapping[str, Any], by: float = 1.0) -> Iterator[tuple[str, float]]:
     """Yield a signal and all that it is combined of, with the factors of their sizes in it."""
     signal = signals[name]

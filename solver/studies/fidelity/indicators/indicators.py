@@ -15,7 +15,7 @@ from ....package.body.selection import vibrations
 from ....run.inputs import RunSpec
 from ....run.timing import work_s
 from ....signals import Recording, Sensor, sensors
-from ..comparison import kind_of_signal, relatives, scales
+from ..comparison import bends, kind_of_signal, relatives, scales
 from .loaded import Study, base_motion, built_with, loaded
 from .response import Effects, Indicators, Mode, Response, effects, elastic_columns, response
 
@@ -111,7 +111,8 @@ def study(
     compared = relatives(signals, mechanism, model.built, driven.y[0])
     measured = compared.sensors(model.built)
     kinds = {name: kind_of_signal(name, compared.table) for name in measured}
-    every = effects(driven, measured, kinds)
+    bent = {name for name in measured if bends(name, compared.table)}
+    every = effects(driven, measured, kinds, bent)
     whole, sizes = compared.judged(dict(zip(measured, every.whole, strict=True)))
     quiet = np.asarray(sizes > 0.0)
     scale = np.where(quiet, sizes, scales(metric, whole))

@@ -1,7 +1,8 @@
 """Linear elastic response of rich bodies along a base motion: what each mode adds to signals."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -14,12 +15,13 @@ from ....dynamics.model.coordinates import move_rows
 from ....dynamics.model.model import Model, modal_matrix, state_size
 from ....math.arrays import Array, IntArray
 from ....signals import Sensor
+from ....signals.strength import HELD
 from ..comparison import difference
 from ..plan import Base
 
 GAMMA = 0.55
 BETA = 0.25 * (GAMMA + 0.5) ** 2
-HELD = 1e-12  # of the largest mass: a direction that joints hold has none
+HELD_MASS = 1e-12  # of the largest mass: a direction that joints hold has none
 
 
 def newmark(
@@ -44,7 +46,7 @@ def newmark(
     q, v, a = z[:, :m], z[:, m : 2 * m], z[:, 2 * m :]
     if start is None and p.size:  # without the round-off that makes held directions negative
         values, V = np.linalg.eigh(0.5 * (masses[0] + masses[0].T))
-        a[0] = np.linalg.solve((V * np.maximum(values, HELD * values[-1])) @ V.T, p[0])
+        a[0] = np.linalg.solve((V * np.maximum(values, HELD_MASS * values[-1])) @ V.T, p[0])
     elif start is not None:
         q[0], v[0] = start
     # The step z = T z_before + L p changes with the mass and, rarely, with the length of the step.
@@ -228,7 +230,12 @@ class Effects:
         return np.asarray(self.base + self.response.sum(axis=2))
 
 
-def effects(response: Response, sensors: Mapping[str, Sensor], kinds: Mapping[str, str]) -> Effects:
+def effects(
+    response: Response,
+    sensors: Mapping[str, Sensor],
+    kinds: Mapping[str, str],
+    bent: Collection[str] = (),
+) -> Effects:
     """Return the contributions of all modes to the signals.
 
     Parameters
@@ -236,6 +243,8 @@ def effects(response: Response, sensors: Mapping[str, Sensor], kinds: Mapping[st
     response : of the modes
     sensors : of the o signals, by name
     kinds : of the signals, by name
+    bent : signals of elastic coordinates that are not linear near zero, as exposures: they are
+        linearised at the response instead of the undeformed body
     """
     (q, v, a), eta, t = response.history, response.eta, response.t
     every, plain = list(sensors.values()), _recording(response, np.arange(len(t)))
@@ -244,7 +253,11 @@ def effects(response: Response, sensors: Mapping[str, Sensor], kinds: Mapping[st
     nothing = np.zeros_like(eta)
     eta_d = np.gradient(eta, t, axis=0) if len(t) > 1 else nothing
     for order, (history, quasi) in enumerate(((q, eta), (v, eta_d), (a, nothing))):
-        wanted = [o for o, name in enumerate(sensors) if ORDER.get(kinds[name], 0) == order]
+        wanted = [
+            o
+            for o, name in enumerate(sensors)
+            if ORDER.get(kinds[name], 0) == order and name not in bent
+        ]
         size = np.abs(history).max(axis=0, initial=0.0)
         moving = np.flatnonzero(size > 0.0)
         if wanted and moving.size:
@@ -252,6 +265,11 @@ def effects(response: Response, sensors: Mapping[str, Sensor], kinds: Mapping[st
             for o, slope in zip(wanted, slopes, strict=True):
                 whole[o][:, moving] = slope * history[:, moving]
                 static[o][:, moving] = slope * quasi[:, moving]
+    for o, name in enumerate(sensors):
+        if name in bent:
+            values, slope = _at_response(response, every[o])
+            whole[o], static[o] = slope * q, slope * eta
+            base[o] = values - whole[o].sum(axis=1)
     return Effects(base, whole, static)
 
 
@@ -303,6 +321,28 @@ def _slopes(
     i = np.clip(np.searchsorted(known, t, side="right") - 1, 0, len(known) - 2)
     share = ((t - known[i]) / (known[i + 1] - known[i]))[:, None]
     return np.asarray((1.0 - share) * values[:, i] + share * values[:, i + 1])
+
+
+RELATIVE_STEP = 1e-4  # of differences, of the largest value of a mode
+
+
+def _at_response(response: Response, sensor: Sensor) -> tuple[Array, Array]:
+    """Return a signal (k,) of the elastic coordinates at the response, and its slopes (k, m)."""
+    q, memory = response.history[0], dict[Any, Any]({HELD: {}})  # points that govern there
+    change = np.zeros((len(q), response.model.n_vel))
+
+    def values(modes: Array) -> Array:
+        y = response.y.copy()
+        change[:, response.elastic] = modes
+        move_rows(response.model, y, change)
+        return sensor.values(Recording(response.model, response.t, y, memory))
+
+    here, slopes = values(q), np.zeros_like(q)
+    step = RELATIVE_STEP * np.abs(q).max(axis=0, initial=0.0)
+    for j in np.flatnonzero(step).tolist():
+        h = step * (np.arange(len(step)) == j)
+        slopes[:, j] = (values(q + h) - values(q - h)) / (2.0 * step[j])
+    return here, slopes
 
 
 @dataclass(frozen=True)
