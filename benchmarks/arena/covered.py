@@ -107,7 +107,7 @@ def planned(draw: Draw, folder: Path) -> tuple[float, ...]:
     if answer.delivered is None or None in stated.values():
         return math.nan, math.nan
     bar = np.array([stated[name] for name in answer.names], dtype=float)
-    exact = true_signals(scene, side, 1e-8)
+    exact = true_signals(scene, side, 1e-8, axial=3)
     values = np.array([exact[name] for name in answer.names])
     sizes = scales("pointwise", values)
     error = difference("pointwise", answer.delivered.signals, values) / sizes

@@ -140,11 +140,13 @@ def chosen_modes(table: Table, side: str, modes: list[Table], **solver: Any) -> 
     return replace(spec, packages={name: selected(p, modes) for name, p in check.items()})
 
 
-def true_signals(table: Table, side: str, rtol: float) -> dict[str, np.ndarray]:
-    """Signals with all vibrations and load shapes of the check in the plane, stiffened."""
+def true_signals(table: Table, side: str, rtol: float, axial: int = 0) -> dict[str, np.ndarray]:
+    """Signals with load shapes of the check and vibrations in its plane, `axial` of them along
+    the links, stiffened: joint forces of a sudden start need axial ones, which take tiny steps."""
     spec, check = planned_run(table, side)
     asked = [
         {"kind": "bending-xy", "count": 6},
+        *([{"kind": "axial", "count": axial}] if axial else []),
         {"kind": "attachment", "at": "tip", "directions": ["x", "y", "rz"]},
         {"kind": "static-inertia"},
     ]
