@@ -18,6 +18,7 @@ from plymotion.solver.studies.fidelity.comparison import difference, scales
 from plymotion.solver.studies.fidelity.indicators.response import modal_loads
 from plymotion.solver.studies.fidelity.plan import BodyPlan, Rich, check_plan
 from plymotion.solver.studies.fidelity.trial import horizon
+from plymotion.solver.studies.tolerances import LADDER_COST
 
 SCENES = {
     "stiff": (pendulum(t_end=0.2), "stiff"),
@@ -90,6 +91,11 @@ def test_a_joint_force_is_not_accepted_by_one_check() -> None:
         assert checking.settled()
     assert answer.verdict == "not met"
     assert "has not settled at rtol 3e-05" in answer.reason
+    assert f"it needs about {60.0 + LADDER_COST * answer.pair[1].cpu:.2g} s" in answer.reason
+    assert "quasi-static" not in answer.reason  # it begins so
+    sudden = answer.spec.changed({"solver.start": "positions"})
+    advised = Checking(replace(answer, spec=sudden), 0.1, "pointwise", 60.0)._unsettled()
+    assert 'link0 begins undeformed under loads: `solver.start = "quasi-static"`' in advised
     assert entry(answer)["delivered"] == {"run": "check", "error_at_most": {"force": None}}
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from ...inputs.case.record import REACTION
 from ...math.arrays import Array
 from ...package.body.invariants import MOST_MODES
+from ...results.codes import LOADED_START
 from ...run.timing import work_s
 from ..tolerances import (
     LACKING,
@@ -248,11 +249,25 @@ class Checking:
         """Say what the check would need."""
         change = self._changed()
         known = "no change is known" if change is None else f"it changed by {change.max():.2g}"
+        budget = self.answer.spec.fidelity.budget
         return (
             f"the check has not settled at rtol {self._checks[-1].plan.rtol:.2g} ({known}), and "
             f"the next one would take about {self._cost():.2g} s of CPU time, more than the budget "
-            "leaves"
+            f"leaves: it needs about {budget - self.left() + self._cost():.2g} s{self._sudden()}"
         )
+
+    def _sudden(self) -> str:
+        """Say what leaves out the vibrations of bodies that begin undeformed under loads, or ""."""
+        if self.answer.spec.mechanism.solver.start != "positions":
+            return ""
+        for rich in self.answer.study.model.values():
+            energy = ((rich.eta @ rich.package.stiffness) * rich.eta).sum(axis=1)
+            if energy[0] > LOADED_START.limit * energy.max():
+                return (
+                    f'; {rich.name} begins undeformed under loads: `solver.start = "quasi-static"` '
+                    "leaves out the vibrations that follow, if they are not meant"
+                )
+        return ""
 
     def _met(self) -> bool:
         """Estimate what both packages lack; tell whether this settles the request."""
@@ -269,6 +284,7 @@ class Checking:
         if not self._fits():
             answer.reason = (
                 f"{lacking}; with what is missing above them the error is about {self._largest:.2g}"
+                f"{self._sudden()}"
             )
             # More of the packages does not help if they lack too much.
             return more is not None and float(more.max()) > REQUEST_MET * self.accuracy
