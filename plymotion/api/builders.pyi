@@ -103,7 +103,7 @@ class Builders:
             other sections along the beam; stiffness and mass are linear between them;
             default []
         segments :
-            divides the beam into so many equal bodies joined to each other, for large
+            number of equal bodies, joined to each other, that form the beam, for large
             elastic rotations (docs/stiffening.md); `modes` are those of each; default 1
         material :
             name of a material; required by a shape, absent with a described section
@@ -201,10 +201,10 @@ class Builders:
         parameters :
             of the mesh's script, over those of the description
         refine :
-            makes the mesh finer so many times, each time with four cells for one: a script
-            of meshes/shells gets twice its counts of cells, cells of other meshes are split
-            at the middles of their straight sides; added to that of the description;
-            default 0
+            number of refinements of the mesh, each with four cells in place of one: a
+            script of meshes/shells gets twice its counts of cells, cells of other meshes
+            are split at the middles of their straight sides; added to that of the
+            description; default 0
         changes :
             other values at dotted keys of the description, in quotes: {
             "laminates.wall.angles_deg.1" = 30 }

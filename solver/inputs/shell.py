@@ -190,7 +190,7 @@ SHAPES = ("box-beam", "curved-beam", "cylinder", "hemisphere", "plate", "twisted
 # Sizes whose products, as E h^3 and squares of forces, are numbers; what is smaller is no rounding.
 LARGE, SMALL = 1e30, 1e-100
 REFINE = (
-    "makes the mesh finer so many times, each time with four cells for one: a script of "
+    "number of refinements of the mesh, each with four cells in place of one: a script of "
     "meshes/shells gets twice its counts of cells, cells of other meshes are split at the middles "
     "of their straight sides"
 )

@@ -292,7 +292,7 @@ class BeamBody(Flexible):
         "other sections along the beam; stiffness and mass are linear between them", default=[]
     )
     segments: int = entry(
-        "divides the beam into so many equal bodies joined to each other, for large elastic "
+        "number of equal bodies, joined to each other, that form the beam, for large elastic "
         "rotations (docs/stiffening.md); `modes` are those of each",
         default=1,
         ge=1,

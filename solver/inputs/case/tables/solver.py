@@ -75,8 +75,8 @@ class _Integration(Table):
         le=0.1,
     )
     error_bars: bool = entry(
-        "state an error of each signal, from a second run that is coarser in everything "
-        "(accuracy.md); of the members of a sweep likewise",
+        "state an error of each signal, from a second run with a coarser model "
+        "(accuracy.md); also for the members of a sweep",
         default=False,
     )
     atol_position: float | None = optional(
