@@ -121,7 +121,8 @@ def _default(field: FieldInfo) -> str:
 def _function(kind: Kind) -> Callable[..., Keys]:
     signature = signature_of(kind)
     pair = PAIRS.get(kind.group, "")
-    directions = {k for k, f in kind.model.model_fields.items() if _is_vector(f)}
+    annotations = {k: f.annotation for k, f in kind.model.model_fields.items()}
+    directions = {k for k, a in annotations.items() if "list[float]" in str(a)}
 
     def add(self: Any, *values: Any, **named: Any) -> Keys:
         try:
@@ -164,10 +165,6 @@ def _function(kind: Kind) -> Callable[..., Keys]:
     add.__doc__ = text_of(kind)
     add.__signature__ = signature  # type: ignore[attr-defined]
     return add
-
-
-def _is_vector(field: FieldInfo) -> bool:
-    return "list[float]" in str(field.annotation) or field.annotation == list[float]
 
 
 class Builders:

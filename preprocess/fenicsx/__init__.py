@@ -37,6 +37,5 @@ _PUBLIC = {
     ),
     "assembly": ("Surface", "SurfacePattern"),
 }
-_MODULE = {name: module for module, names in _PUBLIC.items() for name in names}
 
-__getattr__, __dir__ = lazy_names(_MODULE, globals())
+__getattr__, __dir__ = lazy_names(_PUBLIC, globals())

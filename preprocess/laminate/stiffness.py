@@ -319,14 +319,9 @@ def stress_operators(laminate: Laminate) -> Array:
     """
     stiffness = laminate_stiffness(laminate)
     compliance = np.linalg.inv(stiffness.ABD)
-    at = strain_stress(laminate)
+    at = strain_stress_at(laminate, _AT_LEVELS)
     at[..., :6] = at[..., :6] @ compliance
     return at
-
-
-def strain_stress(laminate: Laminate) -> Array:
-    """The same as `stress_operators`, per unit strain e, curvature k and unit T, (k, 3, 6, 8)."""
-    return strain_stress_at(laminate, _AT_LEVELS)
 
 
 def strain_stress_at(laminate: Laminate, height: Array) -> Array:

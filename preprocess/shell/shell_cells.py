@@ -298,7 +298,9 @@ def cell_geometry(
         area, height = 0.5 * twice_area, np.zeros_like(height)
         weight = np.repeat(area / 3.0, 3).reshape(-1, 3)
     else:
-        weight, at_corners = (_determinants(slopes(points), xy) for points in (GAUSS, CORNERS))
+        # Determinants (c, q) of the derivatives of (x, y) by (xi, eta) at q points.
+        by_place = (np.swapaxes(slopes(points), 1, 2)[None] for points in (GAUSS, CORNERS))
+        weight, at_corners = (np.linalg.det(D @ xy[:, None]) for D in by_place)
         turned = np.where(flip, -1.0, 1.0)  # sense of the corners about e3
         convex = (at_corners * np.reshape(turned, (-1, 1)) > 0.0).all(axis=1)
         weight = np.abs(weight)
@@ -310,8 +312,3 @@ def cell_geometry(
     length = np.linalg.norm(edge, axis=2)
     ratio = np.broadcast_to(np.asarray(width_ratio, dtype=float), length.shape)
     return CellGeometry(xy, height, A_GE, area, length, edge / length[..., None], weight, ratio)
-
-
-def _determinants(D: Array, xy: Array) -> Array:
-    """Of the derivatives of (x, y) by (xi, eta) at q points, (c, q)."""
-    return np.linalg.det(np.swapaxes(D, 1, 2)[None] @ xy[:, None])

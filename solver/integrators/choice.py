@@ -17,7 +17,7 @@ from .explicit import ExplicitLoop
 from .generic.base import Integrator
 from .hidden import HiddenForces
 from .step_loop import projection, right_hand_side
-from .table import EXAMPLES, INTEGRATORS, SolverKeys, treatment_of
+from .table import EXAMPLES, INTEGRATORS, treatment_of
 
 # The work enters the energy balance alone, no motion depends on it. The estimate of the error of a
 # quadrature by radau is of order 3 and contains the reactions' vibrations: with a share of 1, an
@@ -25,7 +25,7 @@ from .table import EXAMPLES, INTEGRATORS, SolverKeys, treatment_of
 WORK_SHARE = 10.0
 
 
-def tolerances(model: Model, y0: Array, solver: SolverKeys) -> Array:
+def tolerances(model: Model, y0: Array, solver: Any) -> Array:
     """Return absolute tolerances (n,) of positions, velocities and the work of a run from y0 (n,).
 
     With L, V and E of dynamics/analysis/recovery.py, and d_j the displacement by mode j: rtol L of
@@ -72,7 +72,7 @@ def blocks(model: Model) -> list[int]:
 def make_integrator(
     model: Model,
     y0: Array,
-    solver: SolverKeys,
+    solver: Any,
     treatment: Treatment | None = None,
     *,
     fixed_step: float | None = None,

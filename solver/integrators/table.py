@@ -4,9 +4,9 @@ from abc import ABCMeta
 from collections.abc import Iterable
 from inspect import isabstract
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
-from ..dynamics.elements.constraints.treatment import IMPLICIT, TREATMENTS, Treatment, TreatmentKeys
+from ..dynamics.elements.constraints.treatment import IMPLICIT, TREATMENTS, Treatment
 from ..errors import InputError, did_you_mean
 from ..math.arrays import Array
 from ..math.catalogue import by_name, catalogue
@@ -104,36 +104,8 @@ def _unknown(word: str, known: list[str]) -> str:
 EXAMPLES = 3  # integrators that a message names
 
 
-class SolverKeys(TreatmentKeys, Protocol):
-    """The keys of `[solver]` that all integrators share; their own ones stand beside these."""
-
-    @property
-    def integrator(self) -> str:
-        """A name of `INTEGRATORS`."""
-
-    @property
-    def t_end(self) -> float:
-        """End of the run [s]."""
-
-    @property
-    def rtol(self) -> float:
-        """Accuracy asked for, relative."""
-
-    @property
-    def atol_position(self) -> float | None:
-        """Absolute tolerance of positions and modal coordinates; None: rtol times their scales."""
-
-    @property
-    def atol_velocity(self) -> float | None:
-        """Absolute tolerance of velocities and modal rates; None: rtol times their scales."""
-
-    @property
-    def max_step(self) -> float | None:
-        """Largest step [s]."""
-
-
-def treatment_of(solver: SolverKeys) -> Treatment:
-    """Return the treatment of constraints that a case asks for.
+def treatment_of(solver: Any) -> Treatment:
+    """Return the treatment of constraints that `[solver]` of a case asks for.
 
     Raises
     ------

@@ -192,16 +192,17 @@ def dispatched(on: str, calls: Sequence[Call]) -> Callable[[Function], Function]
 
 
 def lazy_names(
-    modules: dict[str, str], space: dict[str, object]
+    public: dict[str, tuple[str, ...]], space: dict[str, object]
 ) -> tuple[Callable[[str], object], Callable[[], list[str]]]:
     """Return `__getattr__` and `__dir__` of a package.
 
     Parameters
     ----------
-    modules : public name -> module of the package's folder that has it
+    public : module of the package's folder -> the names that it offers
     space : `globals()` of the package, which keeps what was asked for
     """
     package = space["__name__"]
+    modules = {name: module for module, names in public.items() for name in names}
 
     def value_of(name: str) -> object:
         if name not in modules:

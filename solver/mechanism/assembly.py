@@ -245,14 +245,11 @@ def marker_second_order(bodies: list[Body], marker: MarkerTable) -> Array:
     return np.concatenate([marker.H, marker.H_psi])
 
 
-def of_moments(Z: Array) -> list[bool]:
-    """Return which tables of Z0, Z1 (12, m, m) are above the round-off of the others."""
-    return [*_used(Z[:3], 0.0), *_used(Z[3:], 0.0)]
-
-
 def of_motion(H: Array, marker: MarkerTable) -> list[bool]:
-    """The same for a marker's tables (6, m, m), with rotations relative to the square of the first
-    order."""
+    """Return which tables (6, m, m) of a marker are above the round-off of the others.
+
+    Rotations are taken relative to the square of the first order.
+    """
     turn = float(np.abs(marker.psi).max(initial=0.0))
     return [*_used(H[:3], 0.0), *_used(H[3:], turn**2)]
 
@@ -310,6 +307,7 @@ def assemble_model(
     second = [b.second_order for b in carrying]
     stiffened = np.array([n if s else 0 for n, s in zip(n_mode, second, strict=True)], dtype=int)
     Z = [np.concatenate([s.Z0_B, *s.Z1_B]) if s else np.zeros((12, 0, 0)) for s in second]
+    Z_used = [[*_used(T[:3], 0.0), *_used(T[3:], 0.0)] for T in Z]  # above round-off of the others
     marker_H = [marker_second_order(bodies, marker) for marker in markers]
     used = [of_motion(H, m) for H, m in zip(marker_H, markers, strict=True)]
     carried = [carried_masses(i, markers, used, moving) for i in range(len(bodies))]
@@ -402,7 +400,7 @@ def assemble_model(
         third_start=starts(stiffened**3),
         fourth_start=starts(stiffened**4),
         Z=flat(Z),
-        Z_used=np.array([of_moments(T) for T in Z], dtype=np.int8).reshape(-1, 12),
+        Z_used=np.array(Z_used, dtype=np.int8).reshape(-1, 12),
         G3=flat([s.G3 for s in second if s]),
         G4=flat([s.G4.transpose(0, 2, 3, 1) for s in second if s]),
         marker_second=np.where([H.size > 0 for H in marker_H], marker_second, -1).astype(np.int64),

@@ -7,18 +7,13 @@ folder only. __init__.pyi declares their types.
 from ..errors import PackageError
 from ..math.catalogue import lazy_names
 
-# Public name -> module of this folder.
+# Module of this folder -> public names.
 _PUBLIC = {
-    "Interface": "body.package_schema",
-    "Invariants": "body.package_schema",
-    "ModalPackage": "body.package_schema",
-    "Remark": "common.findings",
-    "SectionData": "body.package_schema",
-    "from_stations": "body.invariants",
-    "read_package": "body.package_file",
-    "validate": "validation",
-    "write_package": "body.package_file",
+    "body.package_schema": ("Interface", "Invariants", "ModalPackage", "SectionData"),
+    "body.invariants": ("from_stations",),
+    "body.package_file": ("read_package", "write_package"),
+    "common.findings": ("Remark",),
+    "validation": ("validate",),
 }
-__all__ = ["PackageError", *_PUBLIC]
 
 __getattr__, __dir__ = lazy_names(_PUBLIC, globals())

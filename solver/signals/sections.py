@@ -24,7 +24,7 @@ from ..math.rotations import skew, vectors_to_matrices
 from ..mechanism.built import BuiltMechanism
 from ..package import ModalPackage
 from ..package.body.package_schema import BodyRecovery
-from ..package.common.recovery_schema import RESULTANTS, STRESSES, Ply, SectionRecovery
+from ..package.common.recovery_schema import RESULTANTS, STRESSES, SectionRecovery
 from ..strength.fatigue import StressLife, check_rainflow
 from ..strength.weakest_plies import unit_stress_M
 
@@ -353,7 +353,8 @@ def stress_life(
     plies = [
         ply for section in package.sections if section.recovery for ply in section.recovery.plies
     ]
-    named = {ply.material for ply in plies if _is_of(ply, signal)}
+    own = [ply for ply in plies if signal.region in (None, ply.region)]
+    named = {ply.material for ply in own if ply.index == signal.ply}
     for name in sorted(named & set(materials)):
         material, line = materials[name], None
         if material.kind == "isotropic":
@@ -369,7 +370,3 @@ def stress_life(
                 line.limit or 0.0,
             )
     return None
-
-
-def _is_of(ply: Ply, signal: "PlyStressSignal") -> bool:
-    return ply.index == signal.ply and signal.region in (None, ply.region)

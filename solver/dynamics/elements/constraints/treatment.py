@@ -1,6 +1,6 @@
 """Treatments of the constraints, their parameters, and the scaled constraint equations."""
 
-from typing import Protocol
+from typing import Any
 
 import numpy as np
 
@@ -13,34 +13,6 @@ IMPLICIT = ("ggl", "index3")  # solved within the step, by integrators that say 
 TREATMENTS = ("index1", "baumgarte", "augmented-lagrangian", "projection", *IMPLICIT)
 # The others divide by a singular value that is zero there.
 PASSES_SINGULAR = ("augmented-lagrangian", "projection", *IMPLICIT)
-
-
-class TreatmentKeys(Protocol):
-    """The keys of `[solver]` that a treatment is made from: those of `Treatment`."""
-
-    @property
-    def constraints(self) -> str:
-        """One of `TREATMENTS`."""
-
-    @property
-    def alpha(self) -> float:
-        """Of baumgarte [1/s]."""
-
-    @property
-    def beta(self) -> float:
-        """Of baumgarte [1/s]."""
-
-    @property
-    def penalty(self) -> float:
-        """Of augmented-lagrangian [-]."""
-
-    @property
-    def frequency(self) -> float:
-        """Of augmented-lagrangian [1/s]."""
-
-    @property
-    def ratio(self) -> float:
-        """Of augmented-lagrangian [-]."""
 
 
 @record
@@ -67,16 +39,10 @@ class Treatment:
             )
 
     @classmethod
-    def of(cls, solver: TreatmentKeys) -> "Treatment":
-        """Return the treatment that `[solver]` of a case asks for."""
-        return cls(
-            name=solver.constraints,
-            alpha=solver.alpha,
-            beta=solver.beta,
-            penalty=solver.penalty,
-            frequency=solver.frequency,
-            ratio=solver.ratio,
-        )
+    def of(cls, solver: Any) -> "Treatment":
+        """Return the treatment that `[solver]` of a case asks for, by keys of the same names."""
+        keys = ("alpha", "beta", "penalty", "frequency", "ratio")
+        return cls(solver.constraints, *(getattr(solver, key) for key in keys))
 
 
 def row_masses(Phi_q: Array, inertia_scale: Array) -> Array:
