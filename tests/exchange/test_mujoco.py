@@ -77,6 +77,27 @@ def test_lowest_frequencies_and_the_body_at_rest(
         assert data.site_xmat[site] == pytest.approx(interface.A_BI.ravel(), abs=1e-9)
 
 
+@pytest.mark.parametrize(
+    ("name", "at"), [("robot-import/forearm.tubes", "roll"), ("exchange/arm.shell", "tip")]
+)
+def test_moments_turn_the_end_as_that_of_the_body(
+    mujoco: Any, repository: Path, tmp_path: Path, name: str, at: str
+) -> None:
+    """What a second link does to the first; the lowest frequencies do not show torsion."""
+    model = mujoco.MjModel.from_xml_path(str(exported(repository, f"{name}.vtkhdf", tmp_path)))
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    J = np.zeros((2, 3, model.nv))
+    site = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SITE, at)
+    mujoco.mj_jacSite(model, data, *J, site)
+    package = read_package(repository / f"tests/packages/{name}.vtkhdf")
+    place = next(i for i in package.interfaces if i.name == at)
+    for ways, shapes, error in ((J[1], place.psi_B, 1e-3), (J[0][1:], place.phi_B[1:], 0.02)):
+        own = np.diag(shapes @ np.linalg.solve(package.stiffness, shapes.T))
+        there = np.diag(ways / model.jnt_stiffness.ravel() @ ways.T)
+        assert there == pytest.approx(own, rel=error)
+
+
 @pytest.mark.parametrize(("first", "last"), [(30.0, 30.0), (90.0, 30.0)])
 def test_a_section_with_turned_axes_bends_along_them(
     mujoco: Any, tmp_path: Path, first: float, last: float

@@ -3,7 +3,8 @@
 The body is cut across the line from the interface that carries its frame to the farthest one. At
 each cut there are three hinges, about the principal axes of the stiffness with which the moments of
 the body's modes turn the chain as the modes do. The stiffnesses are then changed as little as it
-takes to give the chain the lowest frequencies of the body, clamped at its frame.
+takes to give the chain the lowest frequencies of the body, clamped at its frame, and the angles by
+which moments turn its interfaces, as far as attachment modes have them.
 """
 
 from pathlib import Path
@@ -17,7 +18,9 @@ from scipy.spatial.transform import Rotation
 from ....solver.errors import InputError, printable
 from ....solver.math.arrays import Array, IntArray
 from ....solver.package import ModalPackage
+from ....solver.package.body.selection import interface_load
 from ....solver.package.common.files import write_text
+from ....solver.package.specification import DIRECTIONS
 
 SUFFIX = ".xml"
 FEWEST, MOST, UNEVEN = 6, 40, 24  # cuts: least, most between nodes of a beam; of other meshes
@@ -25,6 +28,7 @@ SAME = 1e-6  # of the length: nodes of one cross-section
 MATCHED, ENOUGH = 3, 0.01  # frequencies, and their largest relative error
 PAIRED = 1e-3  # relative difference of the frequencies of a pair
 PASSES, LARGEST = 20, 0.5  # of the fit; change of a logarithm of a frequency in one
+FARTHEST = 5.0  # change of a logarithm of a stiffness in one
 SOFT = 1e-3  # of the median stiffness, for cuts that no mode bends
 STIFF = 1e-4  # of the largest angles: there is no hinge about which modes turn a cut by less
 FLAT = 1e-7  # of the moments of inertia: MuJoCo refuses those of a disc by their last digit
@@ -156,20 +160,79 @@ def _stiffnesses(package: ModalPackage, chain: Chain, aim: Array) -> tuple[Array
         shapes.append(turn @ package.shapes_B[:, :, 3:].transpose(1, 2, 0))
     wanted = np.vstack([shape.reshape(-1, q.shape[0]) for shape in shapes]) @ q
     angles = np.linalg.lstsq(np.vstack(rows), wanted, rcond=1e-12)[0]
-    k, turns = _principal(angles.reshape(count, 3, -1), (M @ angles).reshape(count, 3, -1), squares)
+    loads, moments, turning = _attachments(package, chain)
+    answers = q.T @ loads / squares[:, None]
+    # The strain energy of each is that of the first mode under its inertia forces.
+    weights = 1.0 / np.sqrt(squares[0] * np.sum(squares[:, None] * answers**2, axis=0))
+    k, turns = _principal(
+        np.hstack([angles, angles @ answers * weights]).reshape(count, 3, -1),
+        np.hstack([M @ angles, moments * weights]).reshape(count, 3, -1),
+        np.append(squares, np.ones(len(weights))),
+    )
     B = block_diag(*turns)
     M, turned = B.T @ M @ B, k.ravel() > 0.0
-    inner, scaled = M[np.ix_(turned, turned)], k.ravel()[turned]
-    for _ in range(PASSES):  # by the least change of stiffnesses, which is that of their energies
-        found, v = eigh(np.diag(scaled), inner, subset_by_index=[0, aim.size - 1])
+    inner = M[np.ix_(turned, turned)]
+    moments = (B.T @ moments[:, turning])[turned]
+    angle = np.sum(squares[:, None] * answers**2, axis=0)[turning]
+    for kept in (moments, moments[:, :0]):  # a plate twists otherwise than a chain
+        fitted = _fitted(k.ravel()[turned], inner, aim, kept, angle[: kept.shape[1]])
+        w = np.sqrt(eigvalsh(np.diag(fitted), inner)[: aim.size])
+        if np.abs(w / aim - 1.0).max() < ENOUGH:
+            break
+    k[k > 0.0] = fitted
+    return k, turns.swapaxes(1, 2) @ chain.axes, M
+
+
+def _fitted(k: Array, M: Array, aim: Array, moments: Array, angle: Array) -> Array:
+    """Return stiffnesses (n,) that give the chain its frequencies, and its end the angles.
+
+    By the least change, which is that of the energies.
+
+    Parameters
+    ----------
+    k : of the hinges (n,) [N m / rad]
+    M : mass matrix (n, n)
+    aim : frequencies [rad/s]
+    moments : (n, p) in the hinges, by unit moments at interfaces
+    angle : (p,) about these, of the interfaces [rad / (N m)]
+    """
+    for _ in range(PASSES):
+        found, v = eigh(np.diag(k), M, subset_by_index=[0, aim.size - 1])
         # Pairs as one: each mode of a pair has any direction.
         pairs = np.abs(found / found[:, None] - 1.0) < PAIRED
         mean = pairs / pairs.sum(axis=0)
-        shares = scaled[:, None] * v**2 / found @ mean
+        parts = moments**2 / k[:, None]
+        there = parts.sum(axis=0)
+        shares = np.hstack([k[:, None] * v**2 / found @ mean, parts / there])
         change = np.clip(np.log(aim**2 / found), -LARGEST, LARGEST) @ mean
-        scaled = scaled * np.exp(np.linalg.pinv(shares.T, rcond=1e-6) @ change)
-    k[k > 0.0] = scaled
-    return k, turns.swapaxes(1, 2) @ chain.axes, M
+        change = np.append(change, np.log(there / angle))
+        least = np.linalg.pinv(shares.T, rcond=1e-6) @ change
+        k = k * np.exp(np.clip(least, -FARTHEST, FARTHEST))
+    return k
+
+
+def _attachments(package: ModalPackage, chain: Chain) -> tuple[Array, Array, list[int]]:
+    """Return the loads of attachment modes (m, p), their moments (3 N, p) at the cuts, and which
+    of them are moments.
+
+    The body answers these loads as if it had all of its modes. Moments by inertia forces of its
+    modes are true for its lowest vibrations only.
+    """
+    places = {each.name: each.position_B for each in package.interfaces}
+    loads, moments = [np.zeros((len(package.stiffness), 0))], [np.zeros((chain.points.size, 0))]
+    turning: list[int] = []
+    for label in package.mode_labels:
+        kind, at, way = (*label.split(), "", "", "")[:3]
+        if kind != "attachment" or at not in places:
+            continue
+        row, arms = DIRECTIONS.index(way), places[at] - chain.points  # type: ignore[arg-type]
+        unit = np.eye(3)[row % 3]
+        moment = np.cross(arms, unit) if row < 3 else np.tile(unit, (len(arms), 1))
+        moment[arms @ chain.axes[0] < 0.0] = 0.0
+        turning += [len(loads) - 1] if row >= 3 else []
+        loads.append(interface_load(package, at, way)[:, None])
+        moments.append((moment @ chain.axes.T).reshape(-1, 1))
+    return np.hstack(loads), np.hstack(moments), turning
 
 
 def _principal(angles: Array, loads: Array, squares: Array) -> tuple[Array, Array]:
@@ -181,9 +244,9 @@ def _principal(angles: Array, loads: Array, squares: Array) -> tuple[Array, Arra
 
     Parameters
     ----------
-    angles : (N, 3, m) of the cuts in the modes
-    loads : (N, 3, m) moments of their inertia forces over `squares`
-    squares : (m,) of the frequencies
+    angles : (N, 3, m) of the cuts in the modes, and under the loads of `_attachments`
+    loads : (N, 3, m) moments of their inertia forces over `squares`, and of these loads
+    squares : (m,) of the frequencies; 1 for these loads
     """
     turned = angles @ angles.swapaxes(1, 2)
     S = (angles / squares**2) @ angles.swapaxes(1, 2)
