@@ -116,6 +116,9 @@ def _add_arguments(parser: argparse.ArgumentParser, name: str) -> None:
         add("--no-estimate", action="store_true", help="skip the error estimate (faster)")
         text = "only the k-th of N shares"
         add("--shard", type=shard, default=(1, 1), metavar="k/N", help=text)
+    if name == "body":
+        text = "write SPEC.packed, without HDF5, for another process of the same version"
+        add("--packed", action="store_true", help=text)
     if name in ("section", "shell"):
         text = "compute K, or energies and frequencies, by a second method as well, and compare"
         add("--verify", action="store_true", help=text)

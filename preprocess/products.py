@@ -17,6 +17,7 @@ from typing import Any, Protocol
 
 from ..solver.errors import InputError
 from ..solver.package.common.container import has_fingerprint
+from ..solver.package.common.object_file import PACKED
 from ..solver.package.common.plain_data import SpecError, by_mesh, check_form, mesh_key, share
 from ..solver.package.specification import DesignTarget, fingerprint
 
@@ -362,7 +363,8 @@ def run(options: argparse.Namespace) -> int:
     listed = options.specs == [Path("-")]  # names follow on standard input
 
     def target_of(spec: Path) -> Path:
-        name = (options.out_dir or spec.parent) / f"{spec.stem}.vtkhdf"
+        ending = PACKED if getattr(options, "packed", False) else ".vtkhdf"
+        name = (options.out_dir or spec.parent) / f"{spec.stem}{ending}"
         return getattr(options, "out", None) or name
 
     # With names from standard input, each rank reports to the process that started it.

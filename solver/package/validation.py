@@ -14,11 +14,13 @@ from .common.design import GROUP
 from .common.files import temporary_sibling
 from .common.findings import Remark, raise_first
 from .common.object_file import (
+    PACKED,
     FileFormat,
     ObjectFormat,
     checksum_findings,
     identity_notes,
     unit_findings,
+    write_packed,
 )
 from .section.section_file import SECTION_FILE
 
@@ -67,6 +69,8 @@ def validate(path: str | Path) -> list[Remark]:
 def write_valid(path: Path, package: ModalPackage, source: str, *, own: bool = False) -> None:
     """Write a modal package that `validate` accepts; else nothing is written.
 
+    A path with the ending `PACKED` is for another process of this program.
+
     Parameters
     ----------
     source : file that the package is made from, for the message
@@ -77,11 +81,15 @@ def write_valid(path: Path, package: ModalPackage, source: str, *, own: bool = F
     InputError
         What `validate` would refuse, and which part of the source it comes from.
     """
-    if path.suffix != ".vtkhdf":
+    if path.suffix not in (".vtkhdf", PACKED):
         write_package(path, package)  # says so
     try:
         with temporary_sibling(path, own=own) as temporary:
-            write_package(temporary, package)  # compares numbers with each other
+            # both compare numbers with each other
+            if path.suffix == PACKED:
+                write_packed(temporary, MODAL_PACKAGE, package)
+            else:
+                write_package(temporary, package)
             # what this program computed is not read again
             remarks = list(MODAL_PACKAGE.doubts(package)) if own else validate(temporary)
             raise_first(temporary, remarks)

@@ -10,6 +10,7 @@ from ..errors import InputError, few, not_by_check
 from ..inputs.case.record import PackageEntry, package_entries
 from ..package.common.container import has_fingerprint
 from ..package.common.files import refuse_link
+from ..package.common.object_file import PACKED
 from ..package.common.plain_data import by_mesh, canonical
 from ..package.specification import fingerprint
 from ..system.platform import cores
@@ -101,6 +102,7 @@ def build_packages(
     folder: Path,
     *,
     executor: Callable[[], Executor] = lambda: Local(cores(), threads=True),
+    packed: bool = False,
 ) -> list[str]:
     """Build the packages of body specifications into a folder; return the names of those built.
 
@@ -109,6 +111,7 @@ def build_packages(
     Parameters
     ----------
     executor : where they are built; asked for if there is anything to do
+    packed : files for this process, with the ending `PACKED`
 
     Raises
     ------
@@ -118,10 +121,11 @@ def build_packages(
         A body cannot be built. The others are built.
     """
     tables = {spec: json.loads(spec.read_text(encoding="utf-8")) for spec in specs}
+    ending = PACKED if packed else ".vtkhdf"
     wanted = {
         spec: table
         for spec, table in tables.items()
-        if not has_fingerprint(folder / f"{spec.stem}.vtkhdf", fingerprint(table))
+        if not has_fingerprint(folder / f"{spec.stem}{ending}", fingerprint(table))
     }
     if not wanted:
         return []
@@ -131,13 +135,14 @@ def build_packages(
 
     def done(spec: Path, line: Line) -> None:
         _tell(spec, line)
-        if line["status"] == "failed" or not (folder / f"{spec.stem}.vtkhdf").is_file():
+        if line["status"] == "failed" or not (folder / f"{spec.stem}{ending}").is_file():
             failed[spec] = line["error"]
 
     # Packages beside their specifications need no option: one process then builds those of several
     # folders, where it is kept (`kept_preprocessors`).
     beside = all(spec.parent == folder for spec in wanted)
     options = [] if beside else ["--out-dir", str(folder.resolve())]
+    options += ["--packed"] * packed
     start = start_of("body", options, place := executor())
     groups = by_mesh((spec, _mesh_of(table)) for spec, table in wanted.items())
     make_all(groups, start, executor=place, done=done, progress=lambda _: None)

@@ -7,14 +7,16 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from samples.package_samples import cantilever
+from samples.package_samples import cantilever, same
 
-from plymotion.solver.errors import PackageError
+from plymotion.solver.errors import InputError, PackageError
 from plymotion.solver.math.independent import independent
 from plymotion.solver.package import ModalPackage, read_package, validate, write_package
 from plymotion.solver.package.body.selection import changed_basis
 from plymotion.solver.package.common.dataset import all_values
 from plymotion.solver.package.common.design import PLACES, Derivative, differenced, moved
+from plymotion.solver.package.common.object_file import PACKED, unpacked
+from plymotion.solver.package.validation import write_valid
 
 TARGETS = ({"of": "section.regions.wall.plies.0.angle_deg", "factor": -1.0, "offset": 90.0},)
 
@@ -53,6 +55,21 @@ def test_a_file_returns_what_was_written_in_its_order(file: Path) -> None:
         for one, known in zip(found, designed().design, strict=True):
             assert one.values.keys() == known.values.keys()
             assert all(np.array_equal(one.values[p], known.values[p]) for p in known.values)
+
+
+def test_another_process_gets_what_a_file_returns(tmp_path: Path) -> None:
+    packed, whole = tmp_path / f"arm{PACKED}", designed()
+    made = replace(whole, damping=np.zeros((4, 4), dtype=int))
+    write_valid(packed, made, "body arm", own=True)
+    write_package(tmp_path / "arm.vtkhdf", made)
+    found, read = unpacked(packed.read_bytes()), read_package(tmp_path / "arm.vtkhdf")
+    assert same(found, read)
+    assert found.damping.dtype == read.damping.dtype
+    rates = {**whole.design[1].values, "invariants/S_B": np.full((3, 4), np.nan)}
+    wrong = replace(whole, design=(replace(whole.design[1], values=rates),))
+    with pytest.raises(InputError, match=r"body arm: .*design/a/invariants/S_B: expected finite"):
+        write_valid(packed, wrong, "body arm", own=True)
+    assert same(unpacked(packed.read_bytes()), read)  # what was there stays
 
 
 def test_a_package_moves_with_all_its_numbers(file: Path) -> None:

@@ -16,8 +16,8 @@ from ...math.arrays import Array
 from ...math.compiled import tell_if_slow
 from ...package import ModalPackage
 from ...package.common.files import refuse_foreign, write_text
+from ...package.common.object_file import unpacked
 from ...report.design.page import PAGE, write_page
-from ...run.execution import package_of
 from ...run.inputs import RunSpec
 from ...workers.executors import Executor, Task, distribute
 from .design_text import variant_text
@@ -106,10 +106,7 @@ def _specs(trials: Trials, p: Array) -> tuple[RunSpec, dict[str, ModalPackage]]:
     model, check = model_and_check(own.bodies[0])
     files = trials.build([*model.items(), *check.items()])
     spec = trials.spec(trials.study.table.run, own, 0, files)
-    packages = {
-        name: package_of(files[s.inputs_sha256], s.inputs_sha256, f"the check of {name}", "run")
-        for name, s in check.items()
-    }
+    packages = {name: unpacked(files[s.inputs_sha256].read_bytes()) for name, s in check.items()}
     trials.forget(files)
     return spec, {**spec.packages, **packages}
 

@@ -30,9 +30,9 @@ from ...inputs.case.write import dump
 from ...math.arrays import Array
 from ...package import ModalPackage, read_package
 from ...package.common.files import write_text
+from ...package.common.object_file import PACKED, unpacked
 from ...package.common.plain_data import data_sha256
 from ...package.specification import fingerprint
-from ...run.execution import package_of
 from ...run.inputs import RunSpec
 from ...run.preparation import Prepared, histories_of, integrated, prepare
 from ...signals import HELD, Recording
@@ -442,7 +442,7 @@ class Trials:
         files: dict[str, Path] = {}
         for name, spec in specs:
             if spec.inputs_sha256 not in files:
-                file = folder / f"{name}.{spec.inputs_sha256[:16]}.vtkhdf"
+                file = folder / f"{name}.{spec.inputs_sha256[:16]}{PACKED}"
                 table = {**spec.content, "inputs_sha256": spec.inputs_sha256}
                 write_text(file.with_suffix(".json"), dump(table))
                 files[spec.inputs_sha256] = file
@@ -451,9 +451,9 @@ class Trials:
         logger.setLevel(logging.CRITICAL)  # a line for each package of each design
         try:
             wanted = [f.with_suffix(".json") for f in files.values()]
-            build_packages(wanted, folder, executor=lambda: Local(1, threads=True))
+            build_packages(wanted, folder, executor=lambda: Local(1, threads=True), packed=True)
         except BodiesFailed as error:
-            self._failed = {spec.with_suffix(".vtkhdf"): why for spec, why in error.reasons.items()}
+            self._failed = {spec.with_suffix(PACKED): why for spec, why in error.reasons.items()}
         finally:
             logger.setLevel(level)
         return files
@@ -487,7 +487,7 @@ class Trials:
         Raises
         ------
         PackageError
-            A package that cannot be read.
+            A package of the user that cannot be read.
         InputError
             A package that could not be built.
         """
@@ -496,8 +496,7 @@ class Trials:
             if why := self._failed.get(files[s.inputs_sha256]):
                 raise InputError(f"bodies.{name}: {why}")
         packages: dict[str, ModalPackage] = {
-            name: package_of(files[s.inputs_sha256], s.inputs_sha256, f"body {name}", "run")
-            for name, s in specs.items()
+            name: unpacked(files[s.inputs_sha256].read_bytes()) for name, s in specs.items()
         }
         for name, body in mechanism.bodies.items():
             if isinstance(body, PackageBody):
