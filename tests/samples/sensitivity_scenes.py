@@ -84,7 +84,7 @@ SCENES = {
         ROD + SECOND.replace("KIND", "spherical").replace('axis = [0.0, 1.0, 0.0]\n[sig', "[sig")
         + SIGNALS,
         ("bodies.two.mass", "bodies.two.inertia.1.1", "gravity.1"),
-        head="gravity = [0.3, 0.0, -9.81]\n",
+        head="gravity = [0.3, 0.4, -9.81]\n",
     ),
     "start speed": Scene(
         wheel(force("b", "friction", joint="axle", coulomb=0.4, rest_velocity=0.3, viscous=0.1),

@@ -87,7 +87,8 @@ class Adjoint(Tangent):
         hA, end = h[:, None, None] * A, np.zeros((k, 3 * m, m))
         end[:, 2 * m :] = np.eye(m)
         right = np.concatenate([by_w.reshape(k, 3 * m, v), end], axis=2)
-        answer = np.linalg.solve(self._matrix(at(linear.J), h).transpose(0, 2, 1), right)
+        rows = np.einsum("kab,kbij->kbjai", hA, at(linear.J).reshape(k, 3, m, m))
+        answer = np.linalg.solve(np.eye(3 * m) - rows.reshape(k, 3 * m, 3 * m), right)
         last, by_load = np.zeros((m, v)), np.empty((k, 3, m, v))
         for step in range(k)[::-1]:
             by_load[step] = (answer[step, :, :v] + answer[step, :, v:] @ last).reshape(3, m, v)

@@ -247,7 +247,7 @@ class Tangent:
         t, linear, weights = equations
         h, at = np.diff(t), equations.at
         k = h.size
-        w = self._stages(at(linear.J), at(linear.g), h, linear.kept)
+        w = self._stages(linear, at(linear.J), at(linear.g), h)
         i = np.clip(np.searchsorted(t, times) - 1, 0, k - 1)
         steps = np.unique(np.concatenate([[k - 1], i, i - 1]))
         steps = steps[steps >= 0]
@@ -328,26 +328,35 @@ class Tangent:
             S[2 * n :] = np.where(which, (high - low) / (2.0 * h), S[2 * n :])
             self.S[:, p] = S - late * rates[1]
 
-    @staticmethod
-    def _matrix(J: Array, h: Array) -> Array:
-        """Return the matrices of steps h (k,) for their stages together, (k, 3 m, 3 m)."""
-        k, m = h.size, J.shape[1]
-        rows = np.einsum("k,ab,kbij->kaibj", h, A, J.reshape(k, 3, m, m))
-        return np.asarray(np.eye(3 * m) - rows.reshape(k, 3 * m, 3 * m))
+    def _stages(self, linear: Linear, J: Array, g: Array, h: Array) -> Array:
+        """Return the independent coordinates at the stages of steps h (k,), (3 k, m, P).
 
-    def _stages(self, J: Array, g: Array, h: Array, kept: IntArray) -> Array:
-        """Return the independent coordinates at the stages of steps h (k,), (3 k, m, P)."""
-        k, m, columns = h.size, J.shape[1], g.shape[2]
-        g = g.reshape(k, 3, m, columns)
-        hA, matrix = h[:, None, None] * A, self._matrix(J, h)
-        load = np.einsum("kab,kbip->kaip", hA, g).reshape(k, 3 * m, columns)
-        start = np.broadcast_to(np.tile(np.eye(m), (3, 1)), (k, 3 * m, m))
-        answer = np.linalg.solve(matrix, np.concatenate([start, load], axis=2))
-        w, last = np.empty_like(load), self.S[kept]
-        for i in range(k):
-            w[i] = answer[i, :, :m] @ last + answer[i, :, m:]
-            last = w[i, 2 * m :]
-        return w.reshape(3 * k, m, columns)
+        Where the rates of displacements are the changes of velocities alone, only the others are
+        solved for: half the unknowns, of which the time grows with the cube.
+        """
+        k, m, columns, f = h.size, J.shape[1], g.shape[2], linear.n_free
+        f = 0 if linear.J[:, :f, :f].any() else f
+        r, hA = m - f, h[:, None, None] * A
+        J = J.reshape(k, 3, m, m)[:, :, f:]
+
+        def integrated(rates: Array) -> Array:
+            return (hA @ rates.reshape(k, 3, -1)).reshape(k, 3, *rates.shape[-2:])
+
+        # By the state before the step, and by the loads.
+        answer = np.empty((k, 3, m, m + columns))
+        answer[..., :m], answer[..., m:] = np.eye(m), integrated(g.reshape(k, 3, m, columns))
+        answer[:, :, f:] += integrated(J[..., :f] @ answer[:, :, :f])
+        rows = np.einsum("kab,kbij->kaibj", hA, J[..., f:])
+        rows[..., :f] += np.einsum("kabc,kbij->kaicj", hA[..., None] * hA[:, None], J[..., :f])
+        right = answer[:, :, f:].reshape(k, 3 * r, m + columns)
+        others = np.linalg.solve(np.eye(3 * r) - rows.reshape(k, 3 * r, 3 * r), right)
+        answer[:, :, f:] = others.reshape(k, 3, r, m + columns)
+        answer[:, :, :f] += integrated(answer[:, :, f : 2 * f])
+        answer = answer.reshape(k, 3 * m, m + columns)
+        begin, last = np.empty((k, m, columns)), self.S[linear.kept]
+        for i, end in enumerate(answer[:, 2 * m :]):
+            begin[i], last = last, end[:, :m] @ last + end[:, m:]
+        return (answer[..., :m] @ begin + answer[..., m:]).reshape(3 * k, m, columns)
 
 
 def _through(t: Array, nodes: IntArray) -> csr_array:
