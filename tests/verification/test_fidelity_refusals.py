@@ -147,6 +147,10 @@ def test_a_strength_ratio_that_is_infinite_at_the_start_can_be_met():
     assert answer.verdict == "met"
     assert 0.0 < answer.estimates["reserve"] < 0.1
     assert indicated.scale[0] == pytest.approx(entry(answer)["scale"]["reserve"], rel=0.1)
+    checking = Checking(answer, 1e-6, "pointwise", 60.0)
+    checking._estimate(np.zeros(1))
+    assert checking._met()  # more of the packages does not help
+    assert "more `elements` of beams" in answer.reason
 
 
 def test_modes_across_the_plane_of_a_motion_do_not_respond():

@@ -57,6 +57,10 @@ def tail(m: int, n: int, power: float = POWER) -> float:
     return (n + 0.5) ** (1.0 - power) / (power - 1.0) / known if known else 0.0
 
 
+FINER_BODIES = (
+    "; strengths are looked for at the elements: more `elements` of beams, or `refine` of shells, "
+    "make both packages finer"
+)
 LADDER = 3.0  # tolerance of a check over that of the next one
 FINER = LADDER**0.25  # steps of a check over those of the last one, by an error estimate of order 3
 
@@ -89,6 +93,7 @@ class Checking:
         self.tighter = TIGHTER_AMPLIFIED if by_size > by_kind else TIGHTER
         self.powers = np.array([power_of(kinds[name]) for name in answer.names])
         plain = (*MOTIONS, "deflection", "rotation", REACTION)
+        self._finer = FINER_BODIES if {"exposure", "strength_ratio"} & {*kinds.values()} else ""
         self._in_sections = any(kinds[name] not in plain for name in answer.names)
         # Where the tolerance follows from small deflections, a tenth of it may take more than the
         # budget. Joint forces have fast vibrations, which a check does not damp. So checks of
@@ -284,7 +289,7 @@ class Checking:
         if not self._fits():
             answer.reason = (
                 f"{lacking}; with what is missing above them the error is about {self._largest:.2g}"
-                f"{self._sudden()}"
+                f"{self._sudden()}{self._finer}"
             )
             # More of the packages does not help if they lack too much.
             return more is not None and float(more.max()) > REQUEST_MET * self.accuracy
