@@ -47,7 +47,6 @@ class Answer:
     verdict : "planned", "met", "not met"
     horizon : time at which a change of 1e-6 has grown to the accuracy [s]; None: not in the run
     tried : name of the promotion, CPU time and signals (o, k) of each run on the way
-    settled : False where the check may change by its tolerance: of requests that are not met
     beyond : where the delivered run leaves the range of the theory, in words
     plan_sha256 : of the plan as it was read from its file, or written there
     delivered : the run of the check; that of the model if the check did not reach the end
@@ -64,7 +63,6 @@ class Answer:
     shares: list[Share] = field(default_factory=list)
     trial: Trial | None = None
     check: Trial | None = None
-    settled: bool = True
     rounds: int = 0
     reason: str = ""
     horizon: float | None = None
@@ -122,10 +120,11 @@ class Answer:
         """What the error of the delivered run is at most, by signal; None: not estimated.
 
         The check has more of everything than the model, so that its error is smaller. How much
-        smaller is not known. A run that no other one was compared with has no estimate.
+        smaller is not known. A run that no other one was compared with has no estimate. Neither has
+        one of a request that is not met: its check may change by its tolerance or its mesh.
         """
-        settled = self.delivered is self.check and self.settled
-        known = (estimate_entry(self) if settled else None) or {}
+        met = self.verdict == "met" and self.delivered is self.check
+        known = (estimate_entry(self) if met else None) or {}
         return {name: known.get(name) for name in self.names}
 
 

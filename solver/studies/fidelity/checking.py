@@ -174,7 +174,7 @@ class Checking:
             with self._timed("check"):
                 answer.check = self.run(wanted) or answer.check
         answer.rounds += 1
-        answer.verdict, answer.settled = "not met", not self._ladder
+        answer.verdict = "not met"
         if answer.check is None or answer.trial is None:
             answer.reason = "the model of the plan cannot be assembled"
             if answer.check is None:
@@ -296,7 +296,7 @@ class Checking:
         if reason := self._unstiffened() or self._meshes():
             answer.reason = reason
             return True
-        answer.verdict, answer.reason, answer.settled = "met", "", True
+        answer.verdict, answer.reason = "met", ""
         if self.metric == "pointwise" and model.cpu < self.left():
             with self._timed("horizon"):
                 answer.horizon = horizon(model, answer.names, self.accuracy)
