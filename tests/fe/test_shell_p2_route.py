@@ -159,6 +159,19 @@ def test_a_wrong_load_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
     assert "verification-differs" in analysed(spec)[1]
 
 
+@ONE_END
+def test_the_second_method_is_too_stiff_for_a_large_offset() -> None:
+    spec = plate(2, 1e-3, supports=CLAMPED, frequencies={"count": 2})
+    spec["mesh"]["element"] = "quadrilateral"
+    spec["laminates"] = {
+        "far": {"plies": [{"material": "metal", "thickness": 1e-3}], "offset": 0.01}
+    }
+    spec["regions"] = {"all": {"laminate": "far"}}
+    words, codes = analysed(spec)
+    assert words.endswith("the second method is too stiff for offsets of a wall")
+    assert "verification-differs" not in codes
+
+
 RIB = {
     "stiffness": np.diag([4e7, 1e7, 1e7, 4e4, 8e4, 5e4]).tolist(),
     "mass": np.diag([3.0, 3.0, 3.0, 2e-3, 1e-3, 1e-3]).tolist(),
