@@ -222,6 +222,7 @@ CHECKS: tuple[Check, ...] = (
     modes.motion_findings,
     modes.mode_findings,
     stiffening.stiffening_findings,
+    stiffening.undisturbed_findings,
     balances.package_findings,
 )
 

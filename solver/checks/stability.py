@@ -351,13 +351,12 @@ def geometric_stiffness(
     return np.asarray(0.5 * (Kg + Kg.transpose(0, 2, 1)))
 
 
-def joints_hold(model: Model, t: float, y: Array) -> bool:
-    """Return whether all elastic motions that the joints leave free have stiffness in state y (n,).
+def elastic_motions(model: Model, t: float, y: Array) -> tuple[Array, Array, Array, Array]:
+    """Return elastic motions that the joints leave free, and their matrices in state y (n,).
 
-    A body without stiffness in its own frame may be held elsewhere: a column between two hinges
-    with its frame clamped at one of them would buckle at a quarter of its load. Accelerations and
-    multipliers are held; motions without strain, such as those of a pendulum, are left out: those
-    that are looked at have no momentum along them.
+    The motions Z are columns (n_vel, m), the matrices Z'MZ, and of their stiffness and the forces
+    of their velocities (m, m). Accelerations and multipliers are held; motions without strain, such
+    as those of a pendulum, are left out: those that are looked at have no momentum along them.
 
     Parameters
     ----------
@@ -377,15 +376,25 @@ def joints_hold(model: Model, t: float, y: Array) -> bool:
     MR = equations.M @ rigid
     bent = bent - rigid @ np.linalg.solve(rigid.T @ MR, MR.T @ bent)
     rates, multipliers = series.along_solution(model, np.array([t]), y[None])
-    directions = np.zeros((1, count, 2 * n + model.n_aux))
-    directions[0, :, :n] = bent.T
+    directions = np.zeros((1, 2 * count, 2 * n + model.n_aux))
+    directions[0, :count, :n] = directions[0, count:, n : 2 * n] = bent.T
     sizes = sizes_of_motion(model, extent(model, y))
-    step = DIFFERENCE_STEP / np.abs(bent / sizes[:, None]).max(axis=0)[None]
+    step = np.tile(DIFFERENCE_STEP / np.abs(bent / sizes[:, None]).max(axis=0), 2)[None]
     a = rates[:, model.n_pos : model.n_pos + n]
     at = (model, np.array([t]), y[None], a, multipliers, directions)
-    change = along_directions(*at, step) + along_directions(*at, -step)
-    K = -change[0, :, :n] @ bent
-    return count > 0 and float(np.linalg.eigvalsh(K + K.T)[0]) > 0.0
+    change = 0.5 * (along_directions(*at, step) + along_directions(*at, -step))
+    forces = -bent.T @ change[0, :, :n].T
+    return bent, bent.T @ equations.M @ bent, forces[:, :count], forces[:, count:]
+
+
+def joints_hold(model: Model, t: float, y: Array) -> bool:
+    """Return whether all elastic motions that the joints leave free have stiffness in state y (n,).
+
+    A body without stiffness in its own frame may be held elsewhere: a column between two hinges
+    with its frame clamped at one of them would buckle at a quarter of its load.
+    """
+    _, _, K, _ = elastic_motions(model, t, y)
+    return K.size > 0 and float(np.linalg.eigvalsh(K + K.T)[0]) > 0.0
 
 
 LOOKS = 1000  # of a run, and one of each block of steps

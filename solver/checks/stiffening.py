@@ -5,11 +5,12 @@ linear body whose geometric stiffness is not small should have been stiffened.
 """
 
 from collections.abc import Iterator
+from itertools import pairwise
 
 import numpy as np
 
 from ..dynamics.analysis.rank import free_motions
-from ..dynamics.analysis.recovery import stiffened
+from ..dynamics.analysis.recovery import extent, sizes_of_motion, stiffened
 from ..dynamics.elements.floating_frame import stiffening_matrices
 from ..dynamics.evaluation.accelerations import assemble
 from ..dynamics.evaluation.series import mass_matrices
@@ -18,18 +19,30 @@ from ..math.arrays import Array, distinct
 from ..mechanism.build import build
 from ..results.codes import (
     BUCKLING,
+    BUCKLING_LOAD,
     INDEFINITE,
     MATTERS,
     NO_STIFFENING_DATA,
     ROTATION,
+    SPIN,
     TILTING,
+    UNDISTURBED,
     WITH_DATA,
     Finding,
 )
 from .finished import FinishedRun
-from .stability import Loading, SpinMonitor, buckling_text, geometric_stiffness, joints_hold
-from .tolerances import FREE_MODE, WHIRLS
+from .stability import (
+    Loading,
+    SpinMonitor,
+    buckling_text,
+    elastic_motions,
+    geometric_stiffness,
+    joints_hold,
+)
+from .tolerances import FREE_MODE, SLIGHT, WHIRLS
 
+LOOKS, WIDEST = 11, 250  # of a run for unstable motions, and of velocity coordinates for one
+BUCKLED = {SPIN.name, BUCKLING.name, BUCKLING_LOAD.name}
 MOST_FREE = 41  # states of which the mass of free motions is computed, a dense problem
 
 
@@ -60,6 +73,51 @@ def stiffening_findings(run: FinishedRun) -> Iterator[Finding]:
             yield from _of_stiffened(run, i, loading, spin)
         else:
             yield from _of_linear(run, tables, i, loading, spin)
+
+
+def undisturbed_findings(run: FinishedRun) -> Iterator[Finding]:
+    """Yield the elastic motion that loads have made unstable, and that nothing has begun.
+
+    A straight column above its buckling load stays straight without an imperfection. A body tells
+    so by its own stiffness (BucklingMonitor), several that are joined to a column do not. Counted
+    is how much a deflection would have grown while there is none above SLIGHT of the size.
+    """
+    model, times, bodies = run.model, run.solution.t, run.mechanism.bodies
+    known = any(finding.code in BUCKLED for finding in run.noticed)
+    if known or not model.n_mode.any() or model.n_vel > WIDEST:
+        return
+    growth = 0.0
+    for last, k in pairwise(run.some(LOOKS).tolist()):
+        t, y = float(times[k]), run.solution.y[k]
+        Z, M, K, C = elastic_motions(model, t, y)
+        if not K.size or float(np.linalg.eigvalsh(K + K.T)[0]) >= 0.0:
+            growth = 0.0
+            continue
+        state = -np.linalg.solve(M, np.hstack([K, C]))
+        rates, shapes = np.linalg.eig(np.vstack([np.eye(len(M), 2 * len(M), len(M)), state]))
+        fastest = int(np.argmax(rates.real))
+        rate, shape = float(rates[fastest].real), Z @ shapes[: len(M), fastest].real
+        work, energy = np.zeros(model.n_body), np.zeros(model.n_body)
+        for i in np.flatnonzero(model.n_mode).tolist():
+            m, a = int(model.n_mode[i]), int(model.pos_start[i]) + 7
+            own = shape[int(model.vel_start[i]) + 6 :][:m]
+            load = modal_matrix(model, model.K_qq, i) @ own
+            work[i], energy[i] = load @ y[a : a + m], load @ own
+        size = np.abs(shape / sizes_of_motion(model, extent(model, y))).max()
+        moved = abs(work.sum()) / energy.sum() * size
+        growth = growth + rate * float(times[k] - times[last]) if moved < SLIGHT else 0.0
+        if growth > UNDISTURBED.limit:
+            name = run.built.body_names[int(np.argmax(energy))]
+            whole = getattr(bodies.get(name), "part_of", None) or name
+            text = (
+                f"{whole}: at t = {t:.4g} s the loads are above a buckling load of the mechanism, "
+                f"and no motion has begun: a deflection would grow e-fold in {1.0 / rate:.2g} s, "
+                "and there is none, as in a perfectly straight column. Give it an imperfection: a "
+                "small load across, such as a thousandth of the load, or a line that is not "
+                "straight"
+            )
+            yield UNDISTURBED.finding(text, body=whole, t=t, value=growth)
+            return
 
 
 def _of_spin(run: FinishedRun, i: int, frequency: float) -> Iterator[Finding]:

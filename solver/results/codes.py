@@ -145,6 +145,7 @@ MATTERS = _run("stiffening-matters", limit=0.05)
 TILTING = _run("sections-tilt", limit=2e-3)
 BUCKLING = _run("buckling-by-motion", "error", 0.0, why="the motion buckles a body")
 BUCKLING_LOAD = _run("buckling-load", "error", why="loads buckle a linear body")
+UNDISTURBED = _run("unstable-undisturbed", limit=6.9)
 INDEFINITE = _run(
     "stiffened-mass-indefinite", "error", -1e-12, why="a stiffened body is too far from its frame"
 )

@@ -14,10 +14,12 @@ from samples.recovery_samples import (
     plies_of,
     rectangle_recovery,
 )
+from samples.segment_samples import cantilever, run_of
 from samples.stiffening_samples import rectangle
 from scipy.optimize import brentq
 
 from plymotion.preprocess.beam.beam_body import mode_warnings
+from plymotion.solver.checks.judge import checked
 from plymotion.solver.checks.modes import mode_findings
 from plymotion.solver.run.execution import execute, read_run
 from plymotion.solver.run.preparation import integrated, prepare
@@ -185,6 +187,25 @@ def test_a_stiffened_beam_bends_too_far(tmp_path, reference, times):
         message = found.finding(code)["message"]
         assert "model the part as several bodies" in message
         assert ("chord" in message) == (reference is CLAMPED)
+
+
+@pytest.mark.provokes("unstable-undisturbed")
+@pytest.mark.parametrize(
+    ("factor", "across", "expected"),
+    [(0.98, 0.0, False), (1.1, 0.0, True), (1.1, 1e-3, False)],
+)
+def test_a_column_of_segments_needs_an_imperfection(factor, across, expected):
+    """The advice clears it; the finding comes while the column would have grown a thousandfold."""
+    table = cantilever(4, LENGTH)
+    law = {"smooth_step": {"value": factor * EULER, "duration": 0.1}}
+    load = {"kind": "force", "at": "beam.tip", "direction": [-1.0, across, 0.0], "law": law}
+    table["solver"] |= {"output_step": 0.02, **RADAU}
+    spec = run_of(table | {"forces": {"load": load}}, (K, MASS))
+    found = {f.code: f for f in checked(integrated(prepare(spec.mechanism, spec.packages)))}
+    assert ("unstable-undisturbed" in found) == expected
+    if expected:
+        assert found["unstable-undisturbed"].body == "beam"
+        assert found["unstable-undisturbed"].t < 0.5
 
 
 @pytest.mark.provokes("stiffening-without-data")
