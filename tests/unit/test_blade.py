@@ -20,6 +20,7 @@ from samples.blade_samples import (
 
 import plymotion as pm
 from plymotion.solver.__main__ import main
+from plymotion.solver.errors import InputError
 from plymotion.solver.extras.blade.shape import contour
 from plymotion.solver.extras.blade.station import write_station
 from plymotion.solver.extras.blade.windio import read_blade
@@ -99,9 +100,9 @@ def wrong(change) -> dict:
     return table
 
 
-def web_at(blade: dict, end: float) -> None:
-    """Move the second end of the web."""
-    blade["structure"]["anchors"][-1] = anchor("web", 0.32, end)
+def web_at(blade: dict, end: float, start: float = 0.32) -> None:
+    """Move the ends of the web."""
+    blade["structure"]["anchors"][-1] = anchor("web", start, end)
 
 
 @pytest.mark.parametrize(
@@ -196,6 +197,16 @@ def test_a_web_in_the_nose_is_as_thick_as_there_is_room(tmp_path):
     blade = read_blade(write_blade(tmp_path, wrong(change)))
     found = [areas(write_station(blade, r, "one", tmp_path))["web-core"] for r in (0.9, 1.0)]
     assert 0.0 < found[1] < found[0]
+
+
+def test_a_web_without_room_at_the_trailing_edge_is_told_by_its_key(tmp_path):
+    table = blade_table()
+    web_at(table["components"]["blade"], 0.99, 0.01)
+    blade = read_blade(write_blade(tmp_path, table))
+    assert write_station(blade, 0.6, "one", tmp_path).cells
+    with pytest.raises(InputError, match=r"r = 0\.9: structure\.webs: web: from the arc 0\.01000"):
+        write_station(blade, 0.9, "two", tmp_path)
+    assert not (tmp_path / "two.msh").exists()
 
 
 def test_layers_and_webs_are_there_within_their_grids_only(tmp_path):

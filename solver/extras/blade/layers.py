@@ -352,11 +352,24 @@ def add_web(
     inner : nodes on the inside of the wall
     perimeter : length of the contour [m]
     size : length of the cells along the web [m]
+
+    Raises
+    ------
+    InputError : the walls are so near to each other that its layers cross between them.
     """
     columns = _columns_of(web, arcs, perimeter)
     one, two = ([inner[k] for k in _every(side)] for side in columns)
     start, end = (np.array([mesh.nodes[k] for k in line]) for line in (one, two))
-    height = float(np.linalg.norm(end - start, axis=1).min())
+    legs = end - start
+    sides = [np.diff(line, axis=0) for line in (start, end)]
+    pairs = [np.stack([side, leg], 1) for side in sides for leg in (legs[:-1], legs[1:])]
+    turns = np.linalg.det(pairs)
+    if turns.min() < 0.0 < turns.max():
+        raise InputError(
+            f"structure.webs: {web.name}: from the arc {web.start:.5f} to {web.end:.5f}; expected "
+            "arcs between which the walls leave room for its layers, whose cells cross here"
+        )
+    height = float(np.linalg.norm(legs, axis=1).min())
     count = max(4, round(height / size))
     grid = [one]
     for k in range(1, count):
