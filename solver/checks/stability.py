@@ -392,6 +392,12 @@ def joints_hold(model: Model, t: float, y: Array) -> bool:
 
     A body without stiffness in its own frame may be held elsewhere: a column between two hinges
     with its frame clamped at one of them would buckle at a quarter of its load.
+
+    Parameters
+    ----------
+    model : as of `elastic_motions`, as the others
+    t : time [s]
+    y : state (n,)
     """
     _, _, K, _ = elastic_motions(model, t, y)
     return K.size > 0 and float(np.linalg.eigvalsh(K + K.T)[0]) > 0.0
