@@ -490,7 +490,7 @@ class StepLoop(StrideMemory):
 
         Those of its two ends stay as the step left them.
         """
-        model, c, ends = self._model, self._workspace, (self.t_old, self.t)
+        model, workspace, ends = self._model, self._workspace, (self.t_old, self.t)
 
         def inside(t: Any) -> Array:
             times = np.asarray(t, dtype=float)
@@ -498,7 +498,7 @@ class StepLoop(StrideMemory):
             for time, row in zip(times.ravel(), values, strict=True):
                 if time in ends:
                     continue
-                close(model, c.work, c.frozen, c.real, s, time, row, c.apart)
+                close(model, workspace, s, time, row, workspace.apart)
             return values.reshape((*times.shape, self.n))
 
         return inside

@@ -234,17 +234,8 @@ def _make_matrix(
     counts, work, stage = workspace.counts, workspace.work, workspace.stage
     frozen, real = workspace.frozen, workspace.real
     freeze(model, work, t_new, stage, frozen)
-    update_tension(
-        model,
-        work,
-        t_new,
-        stage,
-        workspace.stage_multipliers,
-        workspace.clock,
-        scheme.to_a / refused**2 if refused > 0.0 else 0.0,
-        frozen.M,
-        frozen.tension,
-    )
+    limit = scheme.to_a / refused**2 if refused > 0.0 else 0.0
+    update_tension(model, workspace, t_new, workspace.stage_multipliers, limit)
     factorise_pencil(model, frozen, real, scheme.to_a, h * scheme.to_v, h * h)
     if model.quantities.feedback.shape[0] > 0:  # its rows are those of the pencil, times h^2
         scale_feedback(frozen.feedback, h * h)
@@ -259,18 +250,10 @@ def _fill_residuals(model: Model, scheme: Scheme, workspace: AlphaWorkspace, h: 
     work, real, n_c = workspace.work, workspace.real, model.n_constraint
     n_r = workspace.multipliers.shape[0]
     real.gamma[:] = 0.0
-    inertia_residual(
-        model,
-        work.M,
-        work.J,
-        workspace.stage_rate,
-        workspace.stage_multipliers,
-        work.f,
-        real.load,
-        real.gamma,
-    )
+    rate, multipliers = workspace.stage_rate, workspace.stage_multipliers
+    inertia_residual(model, work, rate, multipliers, work.f, real.load, real.gamma)
     if n_r > n_c:
-        element_residual(model, work, workspace.stage_multipliers, real.load, real.gamma)
+        element_residual(model, work, multipliers, real.load, real.gamma)
         for k in range(n_c, n_r):
             real.gamma[k] *= h * h * real.softness[k]
     for i in range(real.load.shape[0]):
@@ -414,15 +397,6 @@ def _fill_rows(
             for i in range(row.shape[0]):
                 row[i] = workspace.y[i]
         elif model.n_constraint > 0:  # the cubic leaves them as h^4, with index3 as h^3
-            close(
-                model,
-                workspace.work,
-                workspace.frozen,
-                workspace.real,
-                scheme.to_a**0.5 / h,
-                times[filled],
-                row,
-                workspace.apart,
-            )
+            close(model, workspace, scheme.to_a**0.5 / h, times[filled], row, workspace.apart)
         filled += 1
     return filled

@@ -305,6 +305,7 @@ def local_error(
     """
     n_pos, n_vel, last, real = model.n_pos, model.n_vel, workspace.clock[TAKEN], workspace.real
     frozen, factors, layout = workspace.frozen, workspace.real.factors, model.layout
+    rest = workspace.no_load
     both, s, feeds = workspace.both, scheme.to_v / h, model.quantities.feedback.shape[0] > 0
     for i in range(n_vel):
         v_dd = (workspace.stage_rate[n_pos + i] - workspace.rate[n_pos + i]) / h
@@ -312,9 +313,7 @@ def local_error(
         if last > 0.0:  # else by `middle_rates`
             workspace.change[i] = 2.0 * (v_dd - workspace.v_dd[i]) / (h + last)
     real.gamma[:] = 0.0
-    inertia_residual(
-        model, frozen.M, frozen.J, both, workspace.no_load, workspace.zero, real.load, real.gamma
-    )
+    inertia_residual(model, frozen, both, rest, workspace.zero, real.load, real.gamma)
     real.gamma[:] = 0.0
     solve(layout, layout.newton, factors, real.load, real.gamma, real.x, real.mu)
     if feeds:
@@ -322,16 +321,7 @@ def local_error(
     flatten(model, real.x, workspace.step, 0)
     for i in range(n_vel):
         both[n_pos + i] = -scheme.to_a * h**3 * scheme.error_v * workspace.change[i]
-    inertia_residual(
-        model,
-        frozen.M,
-        frozen.J,
-        both,
-        workspace.no_load,
-        workspace.zero,
-        real.load,
-        real.gamma,
-    )
+    inertia_residual(model, frozen, both, rest, workspace.zero, real.load, real.gamma)
     # what the constraints prescribe is exact at the end, but a cubic within the step
     inflate(model, workspace.change, 0, real.x)
     real.gamma[:] = 0.0

@@ -8,16 +8,18 @@ The metric is that of the step, s^2 M + s D + K: a change in the metric of the m
 and the same for velocities with Phi_q dv = -Phidot.
 """
 
+from typing import Any
+
 from ...dynamics.analysis.projection import rounding
 from ...dynamics.elements.floating_frame import flatten, largest
 from ...dynamics.evaluation.elimination import solve
 from ...dynamics.evaluation.evaluation import evaluate, evaluate_rates, largest_left
 from ...dynamics.model.coordinates import move
-from ...dynamics.model.model import PHI, Model, Workspace
+from ...dynamics.model.model import PHI, Model
 from ...dynamics.tolerances import SPARED, STAYS_CLOSED_TO
 from ...math.arrays import Array, IntArray
 from ...math.compiled import inlined, lean
-from .pencil import Frozen, Pencil, factorise_pencil, freeze
+from .pencil import Pencil, factorise_pencil, freeze
 from .step_control import EVALUATIONS, FACTORISATIONS, JACOBIANS
 
 MAX_ITERATIONS = 4
@@ -26,32 +28,22 @@ SMALL = 1e-7  # change of positions whose square is below rounding [m, rad]
 
 
 @lean
-def close(
-    model: Model,
-    work: Workspace,
-    frozen: Frozen,
-    real: Pencil,
-    s: float,
-    t: float,
-    y: Array,
-    counts: IntArray,
-) -> bool:
+def close(model: Model, workspace: Any, s: float, t: float, y: Array, counts: IntArray) -> bool:
     """Move y (n,) onto the constraints, in place; return whether that has succeeded.
 
-    `frozen` and `real` are filled again; `counts` as in step_control.py.
+    `frozen` and `real` of the workspace are filled again; `counts` as in step_control.py.
 
     Parameters
     ----------
     model : arrays of the mechanism (dynamics/model/model.py)
-    work : memory of one evaluation
-    frozen : matrices of the last evaluation that Newton's matrix uses
-    real : real Newton matrix and its memory
+    workspace : memory of a run, of which work, frozen and real are used
     s : rate per change, of the method over the step size [1/s]
     t : time [s]
     y : state (n,), moved in place
     counts : counters of the run (step_control.py)
     """
     n_pos, n_vel = model.n_pos, model.n_vel
+    work, frozen, real = workspace.work, workspace.frozen, workspace.real
     evaluate(model, work, t, y)
     counts[EVALUATIONS] += 1
     violation, closed, moved = largest(work.rows[:, PHI]), rounding(model, y), 0.0

@@ -258,17 +258,8 @@ def _stage_residuals(
             workspace.driven[k, i] = work.rows[i, PHI_T]
         if first and k == 1:
             freeze(model, work, t + C[k] * h, stage, frozen)
-            update_tension(
-                model,
-                work,
-                t + C[k] * h,
-                stage,
-                workspace.multipliers[k],
-                workspace.clock,
-                (MU / refused) ** 2 if refused > 0.0 else 0.0,
-                frozen.M,
-                frozen.tension,
-            )
+            limit = (MU / refused) ** 2 if refused > 0.0 else 0.0
+            update_tension(model, workspace, t + C[k] * h, workspace.multipliers[k], limit)
     workspace.counts[EVALUATIONS] += 3
 
 
@@ -341,9 +332,7 @@ def _close_end(
     """Bring the end of the step onto the constraints; set TROUBLE if that fails."""
     counts, stage, closed = workspace.counts, workspace.stage, True
     if options.closes:
-        closed = close(
-            model, workspace.work, workspace.frozen, workspace.real, MU / h, t_new, stage, counts
-        )
+        closed = close(model, workspace, MU / h, t_new, stage, counts)
     if not closed:
         counts[TROUBLE] = OFF
     elif not finite(stage):
@@ -431,15 +420,6 @@ def _fill_rows(
             for i in range(row.shape[0]):
                 row[i] = workspace.y[i]
         elif options.closes:
-            close(
-                model,
-                workspace.work,
-                workspace.frozen,
-                workspace.real,
-                MU / h,
-                times[filled],
-                row,
-                workspace.apart,
-            )
+            close(model, workspace, MU / h, times[filled], row, workspace.apart)
         filled += 1
     return filled

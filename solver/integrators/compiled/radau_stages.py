@@ -190,7 +190,7 @@ def _stiff(model: Model, workspace: RadauWorkspace) -> bool:
     none[:, :] = 0.0
     rest[:] = 0.0
     real.gamma[:] = 0.0
-    inertia_residual(model, frozen.M, frozen.J, jump, rest, none, real.load, real.gamma)
+    inertia_residual(model, frozen, jump, rest, none, real.load, real.gamma)
     moved, held, modes = 0.0, 0.0, 0
     for i in range(model.n_body):
         modes += model.n_mode[i]
@@ -368,16 +368,8 @@ def error_residual(model: Model, workspace: RadauWorkspace) -> None:
     workspace.load[0, :, :] = 0.0
     workspace.gamma[0, :] = 0.0
     real.gamma[:] = 0.0
-    inertia_residual(
-        model,
-        frozen.M,
-        frozen.J,
-        rate,
-        workspace.gamma[0],
-        workspace.load[0],
-        real.load,
-        real.gamma,
-    )
+    rest, none = workspace.gamma[0], workspace.load[0]
+    inertia_residual(model, frozen, rate, rest, none, real.load, real.gamma)
 
 
 @inlined

@@ -11,6 +11,8 @@ of the angle by which g turns in a step. With it, the limit of large k is the co
 the multiplier F.
 """
 
+from typing import Any
+
 from ...dynamics.elements.forces.table import FIRST_LOAD, element_rows, element_wrench
 from ...dynamics.evaluation.evaluation import (
     auxiliary_rates_into,
@@ -182,7 +184,7 @@ def residual(
         for k in range(model.n_constraint):
             feedback = 2.0 * model.alpha * work.left[k] + model.beta**2 * work.rows[k, PHI]
             gamma[k] -= feedback
-    inertia_residual(model, work.M, work.J, rate, multipliers, work.f, load, gamma)
+    inertia_residual(model, work, rate, multipliers, work.f, load, gamma)
     if model.layout.element_row.shape[0] > 0:
         element_residual(model, work, multipliers, load, gamma)
     power = work.power[0]
@@ -193,22 +195,14 @@ def residual(
 
 @inlined
 def inertia_residual(
-    model: Model,
-    M: Array,
-    J: Array,
-    rate: Array,
-    multipliers: Array,
-    f: Array,
-    load: Array,
-    gamma: Array,
+    model: Model, of: Any, rate: Array, multipliers: Array, f: Array, load: Array, gamma: Array
 ) -> None:
     """load = f - M vdot - Phi_q' lambda (nb, n); gamma -= Phi_q vdot.
 
     Parameters
     ----------
     model : arrays of the mechanism (dynamics/model/model.py)
-    M : mass matrices by bodies (nb, n, n)
-    J : Jacobians by bodies (nb, n, r), columns of elements included
+    of : with M and J: mass matrices (nb, n, n) and Jacobians (nb, n, r) by bodies
     rate : dy/dt (n,)
     multipliers : multipliers and element forces (n_r,)
     f : forces by bodies (nb, n)
@@ -216,6 +210,7 @@ def inertia_residual(
     gamma : right-hand sides of the rows (n_r,), reduced
     """
     layout, row_start, body_row = model.layout, model.layout.row_start, model.layout.body_row
+    M, J = of.M, of.J
     for i in range(layout.size.shape[0]):
         n, j = layout.size[i], model.n_pos + model.vel_start[i]
         first = row_start[i]

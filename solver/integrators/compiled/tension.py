@@ -21,6 +21,8 @@ body (of a slot on its guide, following loads), and changes of the direction of 
 K is in use while the run advances faster with it: `judge`.
 """
 
+from typing import Any
+
 from ...dynamics.elements.forces.table import FIRST_LOAD
 from ...dynamics.evaluation.evaluation import force_wrench, n_coupling
 from ...dynamics.model.model import Model, Workspace
@@ -171,17 +173,7 @@ def _exceeds(K: Array, M: Array, n: int, s_squared: float) -> bool:
 
 
 @inlined
-def update_tension(
-    model: Model,
-    work: Workspace,
-    t: float,
-    y: Array,
-    forces: Array,
-    clock: Array,
-    s_squared: float,
-    M: Array,
-    tension: Array,
-) -> None:
+def update_tension(model: Model, workspace: Any, t: float, forces: Array, s_squared: float) -> None:
     """Bring tension (nb, n, n) up to date for a new matrix, 0 where it is not in use.
 
     `s_squared` is that of the step before if Newton's iteration has refused it, or 0: the refusal
@@ -190,19 +182,16 @@ def update_tension(
     Parameters
     ----------
     model : arrays of the mechanism (dynamics/model/model.py)
-    work : memory of one evaluation
+    workspace : memory of the run, whose matrices are frozen at its stage
     t : time [s]
-    y : state (n,), as in dynamics/model/model.py
     forces : multipliers of constraints and forces of elements (n_r,)
-    clock : times and factors of the step control (step_control.py)
     s_squared : s^2 of the step before if Newton's iteration refused it, else 0 [1/s2]
-    M : mass matrices by bodies (nb, n, n)
-    tension : stiffness by tension by bodies (nb, n, n), brought up to date
     """
+    clock, tension = workspace.clock, workspace.frozen.tension
     if clock[TENSE] > 0.0 or s_squared > 0.0:
-        freeze_tension(model, work, t, y, forces, tension)
+        freeze_tension(model, workspace.work, t, workspace.stage, forces, tension)
     if s_squared > 0.0:
-        count_refusal(model, clock, M, tension, s_squared)
+        count_refusal(model, clock, workspace.frozen.M, tension, s_squared)
     if not clock[TENSE] > 0.0:
         tension[:] = 0.0
 
