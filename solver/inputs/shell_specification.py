@@ -1,7 +1,7 @@
 """From a shell description to the specification that the FE side reads."""
 
 import os
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -80,7 +80,7 @@ def shell_spec(table: Mapping[str, Any], file: Path) -> dict[str, Any]:
     ]
     mesh: dict[str, object] = {}
     with collected(problems):
-        mesh = _mesh(description.mesh, file.parent)
+        mesh = _mesh(description.mesh, file.parent, description.regions)
         if description.mesh.file is not None:
             problems += _groups(description, file.parent / description.mesh.file)
     stiffeners: dict[str, object] = {}
@@ -134,7 +134,7 @@ def _stiffeners(description: ShellDescription, folder: Path) -> dict[str, Any]:
     return stiffeners
 
 
-def _mesh(table: Mesh, folder: Path) -> dict[str, object]:
+def _mesh(table: Mesh, folder: Path, regions: Collection[str]) -> dict[str, object]:
     if table.file is None:
         file, key = library("shells") / f"{table.shape}.py", f'mesh.shape = "{table.shape}"'
     else:
@@ -144,7 +144,7 @@ def _mesh(table: Mesh, folder: Path) -> dict[str, object]:
     if file.suffix == ".msh" and not is_gmsh_mesh(file):
         raise InputError(f"{key}: not a mesh of gmsh")
     if file.suffix not in (".msh", *SCRIPTS):
-        file = gmsh_mesh(file, key, BUILD, 2)
+        file = gmsh_mesh(file, key, BUILD, 2, regions)
     options = table.model_dump(exclude={"file", "shape"}, exclude_defaults=True)
     return {"file": os.path.relpath(file), "sha256": content_sha256(file), **options}
 

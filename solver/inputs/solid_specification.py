@@ -141,7 +141,7 @@ def _mesh(description: SolidDescription, folder: Path) -> dict[str, object]:
         raise InputError(f"{key}: not a mesh of gmsh")
     if file.suffix.lower() not in (*CAD, ".geo", ".msh"):
         key += f": expected {', '.join(CAD)}, .geo, .msh or another mesh"
-        file = gmsh_mesh(file, key, BUILD, 3)
+        file = gmsh_mesh(file, key, BUILD, 3, description.regions)
     own_unit = file.suffix.lower() in CAD_WITH_UNIT
     if not own_unit and table.unit is None and description.units != "m":
         table = table.model_copy(update={"unit": description.units})

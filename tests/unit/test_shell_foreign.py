@@ -38,7 +38,7 @@ def deck(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def test_triangles_quadrilaterals_and_sets(deck: Path) -> None:
     meshio = pytest.importorskip("meshio")
-    target = gmsh_mesh(deck, "mesh.file", Path("build"), 2)
+    target = gmsh_mesh(deck, "mesh.file", Path("build"), 2, ())
     assert target.parent == Path("build")
     mesh = meshio.read(target)
     name_of = {int(tag): name for name, (tag, _) in mesh.field_data.items()}
@@ -56,14 +56,41 @@ def test_triangles_quadrilaterals_and_sets(deck: Path) -> None:
     ]
     assert mesh.points[2].tolist() == [2.0, 0.0, 0.1]
     written = target.stat().st_mtime_ns
-    assert gmsh_mesh(deck, "mesh.file", Path("build"), 2) == target
+    assert gmsh_mesh(deck, "mesh.file", Path("build"), 2, ()) == target
     assert target.stat().st_mtime_ns == written
 
 
 def test_refusals(deck: Path) -> None:
     deck.write_text(DECK.replace("S4", "S8R").replace("1, 1, 2, 5, 4", "1, 1, 2, 5, 4, 1, 2, 5, 4"))
     with pytest.raises(InputError, match=r"cells are of type quad8, expected triangle and quad"):
-        gmsh_mesh(deck, "mesh.file", Path("build"), 2)
+        gmsh_mesh(deck, "mesh.file", Path("build"), 2, ())
     deck.write_text(DECK + "*ELSET, ELSET=both\n2, 3\n")
     with pytest.raises(InputError, match=r"cell 2 is in 2 sets .*expected exactly one"):
-        gmsh_mesh(deck, "mesh.file", Path("build"), 2)
+        gmsh_mesh(deck, "mesh.file", Path("build"), 2, ())
+    with pytest.raises(InputError, match=r"cell 1 is in 0 sets .*expected exactly one"):
+        gmsh_mesh(deck, "mesh.file", Path("build"), 2, ("flap",))
+
+
+@pytest.mark.parametrize(
+    ("regions", "expected"),
+    [
+        (("skin", "flap"), {"skin": 1, "flap": 2}),
+        (("flap", "all"), {"other cells": 1, "flap": 2}),
+        (("all",), {"other cells": 3}),
+    ],
+)
+def test_of_sets_that_overlap_those_of_the_description_count(
+    deck: Path, regions: tuple[str, ...], expected: dict[str, int]
+) -> None:
+    """As a set of all cells, which most decks have."""
+    meshio = pytest.importorskip("meshio")
+    deck.write_text(DECK + "*ELSET, ELSET=EALL\n1, 2, 3\n")
+    mesh = meshio.read(gmsh_mesh(deck, "mesh.file", Path("build"), 2, regions))
+    tags = [
+        tag
+        for block, tags in zip(mesh.cells, mesh.cell_data["gmsh:physical"], strict=True)
+        for tag in tags
+        if block.dim == 2
+    ]
+    numbers = {name: int(tag) for name, (tag, dim) in mesh.field_data.items() if dim == 2}
+    assert {name: tags.count(tag) for name, tag in numbers.items()} == expected

@@ -6,7 +6,7 @@ Those of sections become arrays, those of shells and solids meshes of gmsh.
 import contextlib
 import hashlib
 import io
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -18,7 +18,7 @@ from ...errors import InputError, few, nearest, refuse
 from ...math.arrays import Array, IntArray
 from ...package.common.files import temporary_sibling
 from ...system.platform import limited
-from ..common.mesh_files import content_sha256
+from ..common.mesh_files import ALL, content_sha256
 
 # Sets of cells that a mesh file names: the regions and curves of a section.
 
@@ -387,19 +387,24 @@ MIRRORED = {
 SURFACE = ("triangle", "quad")
 
 
-def gmsh_mesh(file: Path, where: str, folder: Path, dimension: int) -> Path:
+def gmsh_mesh(
+    file: Path, where: str, folder: Path, dimension: int, regions: Collection[str]
+) -> Path:
     """Write a mesh with its named sets of cells and nodes for gmsh; return the file.
 
     Parameters
     ----------
     where : its key, for messages
     dimension : of the cells that are analysed, 2 or 3, each of which must be in one region
+    regions : names of the description; of sets that overlap, as a set of all cells does, these
+        count
 
     Raises
     ------
     InputError : no mesh, cells of other kinds, cells in no region or in two.
     """
-    target = folder / f"{file.stem}-{content_sha256(file)[:12]}.msh"
+    digest = hashlib.sha256(repr((content_sha256(file), sorted(regions))).encode()).hexdigest()
+    target = folder / f"{file.stem}-{digest[:12]}.msh"
     if target.is_file():
         return target
     import meshio
@@ -431,6 +436,11 @@ def gmsh_mesh(file: Path, where: str, folder: Path, dimension: int) -> Path:
             continue
         if d == dimension:
             sets = region_sets(mesh, blocks, file.name, None)
+            count = np.sum(list(sets.values()), axis=0)
+            if count.max() > 1 and not {ALL, *sets}.isdisjoint(regions):
+                sets = {name: mask for name, mask in sets.items() if name in regions}
+                others = np.sum([0 * count, *sets.values()], axis=0) == 0
+                sets |= {"other cells": others} if ALL in regions and others.any() else {}
             in_one_region(sets, f"{where}: {'solid ' if d == 3 else ''}cell")
         else:
             sets = named_sets(mesh, blocks)
