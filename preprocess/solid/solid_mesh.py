@@ -58,9 +58,10 @@ def check_step(path: Path) -> None:
 def _check(text: str) -> None:
     if not text.lstrip().startswith(BEGIN):
         raise MeshError(f"line 1: expected {BEGIN} as the first line of a STEP file")
-    if not text.rstrip().endswith(END):
+    text, end, _ = text.partition(END)  # a signature may follow
+    if not end:
         last = text.count("\n") + 1
-        raise MeshError(f"line {last}: expected {END} as the last line: the file is not complete")
+        raise MeshError(f"line {last}: expected {END} as its end: the file is not complete")
     known: dict[str, int] = {}
     wanted: dict[str, int] = {}
     for line, statement in _statements(text):

@@ -271,6 +271,13 @@ def test_pieces_of_a_curve_have_no_direction() -> None:
     np.testing.assert_array_equal(np.abs(back.tangents(x)[:, 0]), 1.0)
 
 
+def test_a_signature_may_follow_a_step_file(tmp_path: Path) -> None:
+    file = tmp_path / "part.step"
+    step_file(file, bar)
+    file.write_text(file.read_text() + "SIGNATURE;\nMIIB\nENDSEC;\n")
+    assert model_of(file, 0.05).mesh.exact[0].volume == pytest.approx(0.2 * 0.012 * 0.008)
+
+
 BORE = {"radius": 0.006, "point": [0.085, 0.02, 0.0], "direction": [0.0, 0.0, 2.0]}
 
 
@@ -365,7 +372,7 @@ def crossed_edges(file: Path) -> None:
         (replaced(r"LINE\(''", "LINE('"), r"line \d+: the text that begins here has no end"),
         (replaced(r"\n#20 =.*?;", ""), r"line \d+: expected #20 in the file"),
         (replaced(r"\n#21 =", "\n#20 ="), r"line \d+: #20 is in line \d+, too"),
-        (replaced(r"ENDSEC;\s*END.*", ""), r"line \d+: expected END-ISO-10303-21; as the last"),
+        (replaced(r"ENDSEC;\s*END.*", ""), r"line \d+: expected END-ISO-10303-21; as its"),
         (crossed_edges, "gmsh (ends by|does not end|cannot mesh)"),
         (open_shell, "part.step: no closed solid, found 5 faces"),
         (flat, "part.step: no closed solid, found 1 faces"),
