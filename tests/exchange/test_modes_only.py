@@ -189,6 +189,17 @@ def test_a_universal_file_is_refused(change: dict[str, int], message: str, tmp_p
         modal_package(read(files), PLATE, files)
 
 
+def test_held_nodes_need_no_displacements(tmp_path: Path) -> None:
+    files = universal_file(tmp_path, left_out=10)
+    held = {"root": {"nodes": [10], "link": "average"}}
+    wanted = {
+        "reference": {"kind": "clamped", "at": "root"},
+        "interfaces": PLATE["interfaces"] | held,
+    }
+    package = modal_package(read(files), PLATE | wanted, files)
+    assert package.shapes_B[0, 0].tolist() == [0.0] * 6
+
+
 def test_masses_of_a_node_are_there_once(tmp_path: Path) -> None:
     files = universal_file(tmp_path)
     (tmp_path / "masses.csv").write_text("node,mass\n10,1.0\n10,2.0\n")

@@ -58,11 +58,14 @@ def modal_package(body: ModalBody, table: Reduction, files: Files) -> ModalPacka
     }
     needed = np.isin(np.arange(len(masses)), np.concatenate([*places.values(), []]))
     needed |= masses[:, 0] > 0.0
+    if held := _held(body.where, table):
+        needed[places[held]] = False
     lacking = np.flatnonzero(needed & np.isnan(body.shapes).any(axis=(0, 2)))
     if len(lacking):
         raise InputError(
             f"{body.where}: node {body.node_ids[lacking[0]]} ({len(lacking)} such nodes) has no "
-            "displacement in a mode; expected one at every node with mass or of an interface"
+            "displacement in a mode; expected one at every node with mass, or of an interface but "
+            "the held one"
         )
     order = np.argsort(body.hertz, kind="stable")[:wanted]
     hertz, shapes = body.hertz[order] / time, np.nan_to_num(body.shapes[order])
@@ -77,7 +80,7 @@ def modal_package(body: ModalBody, table: Reduction, files: Files) -> ModalPacka
         inertia[:, i, j] = inertia[:, j, i] = masses[:, k]
     measurement = Measurement(
         body=table["body"],
-        held=_held(body.where, table),
+        held=held,
         interfaces=places,
         lines=_lines(body),
         node_ids=body.node_ids,
