@@ -152,8 +152,11 @@ def accurate_model(
     wanted = solid["mesh"].get("accuracy")
     if wanted is None:
         return model
-    size, error = solid["mesh"].get("size") or edge_length(model.mesh), np.inf
-    for _ in range(ROUNDS):
+    size, error = model.mesh.size, np.inf
+    for number in range(ROUNDS):
+        if number:  # errors of frequencies fall with the fourth power of the size at most
+            size /= max(FINER, (error / wanted) ** 0.25)
+            model = SolidModel(solid, interfaces, where, size, team)
         unknowns = RICHER * 3 * len(model.mesh.plain.points)
         if unknowns > MOST_FACTORISED:
             raise SolidError(
@@ -165,11 +168,9 @@ def accurate_model(
         error = max(map(abs, _relative(hertz, _richer_hertz(model))))
         if error <= wanted:
             return model
-        size /= FINER
-        model = SolidModel(solid, interfaces, where, size, team)
     raise SolidError(
         f"{model.described}mesh.accuracy = {wanted:g}: not reached with cells of "
-        f"{FINER * size:.3g} m, the estimated error is {error:.2g}; expected a larger value, or a "
+        f"{size:.3g} m, the estimated error is {error:.2g}; expected a larger value, or a "
         "part without sharp edges inwards"
     )
 

@@ -228,6 +228,7 @@ class SolidMesh:
     groups : rows of faces by physical surface
     curves : ends (s, 2, 3) of the lines of each physical curve [m]
     exact : for each region what OpenCASCADE computes, empty without a CAD file
+    size : of the cells of a CAD file away from small radii [m]
     """
 
     plain: PlainMesh
@@ -237,6 +238,7 @@ class SolidMesh:
     groups: dict[str, IntArray]
     curves: dict[str, Array]
     exact: tuple[CadPart, ...]
+    size: float
 
     @property
     def corners(self) -> IntArray:
@@ -374,7 +376,9 @@ def _made(
         found_rows = (known.get(tuple(sorted(row))) for row in corners.tolist())
         if rows := [row for row in found_rows if row is not None]:  # no face between two solids
             groups[name] = np.array(rows)
-    return SolidMesh(plain, nodes, owner, local, groups, mesh.curves, mesh.exact)
+    diagonal = float(np.linalg.norm(extent))
+    size = min(size or diagonal / PER_DIAGONAL, diagonal)
+    return SolidMesh(plain, nodes, owner, local, groups, mesh.curves, mesh.exact, size)
 
 
 def _parts(plain: PlainMesh, part: IntArray) -> str:

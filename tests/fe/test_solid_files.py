@@ -30,7 +30,7 @@ from plymotion.preprocess.fenicsx import MeshError, gmsh_alone, gmsh_session
 from plymotion.preprocess.solid import solid_mesh
 from plymotion.preprocess.solid.model import Curve, SolidModel
 from plymotion.preprocess.solid.solid_analysis import free_hertz
-from plymotion.preprocess.solid.solid_mesh import SolidError
+from plymotion.preprocess.solid.solid_mesh import SolidError, edge_length
 
 RTOL = 1e-4  # of mass, centre over the radius of gyration, inertia over its largest entry
 NORMAL = {"normal": [0.0, 0.0, 1.0]}
@@ -463,6 +463,16 @@ def test_cells_larger_than_the_part_are_the_coarsest(tmp_path: Path) -> None:
     step_file(file, bar)
     model = model_of(file, 1e308)
     assert 0 < len(model.mesh.plain.cells) <= len(model_of(file, 0.02).mesh.plain.cells)
+    assert model.mesh.size == pytest.approx(np.linalg.norm([0.2, 0.012, 0.008]), rel=1e-9)
+
+
+def test_the_size_of_cells_is_not_that_of_fillets(tmp_path: Path) -> None:
+    """From it on, cells become smaller for `accuracy`: not by the ratio to those of fillets."""
+    file = tmp_path / "part.step"
+    step_file(file, filleted)
+    mesh = model_of(file, None).mesh
+    assert mesh.size == pytest.approx(np.linalg.norm([0.08, 0.03, 0.02]) / 20.0, rel=1e-9)
+    assert edge_length(mesh) < 0.5 * mesh.size  # most edges of faces are in fillets
 
 
 def test_faces_that_intersect_are_refused(tmp_path: Path) -> None:

@@ -194,7 +194,9 @@ def _records(data: bytes, order: str, path: Path) -> Iterator[bytes]:
         size = int(np.frombuffer(data[place : place + 4], f"{order}i4")[0])
         end = place + 4 + size
         if size < 0 or data[end : end + 4] != data[place : place + 4]:
-            raise InputError(f"{path}: damaged at byte {place}; expected a binary OUTPUT4 file, no text")
+            raise InputError(
+                f"{path}: damaged at byte {place}; expected a binary OUTPUT4 file, no text"
+            )
         yield data[place + 4 : end]
         place = end + 4
 
