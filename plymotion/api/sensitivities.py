@@ -10,6 +10,7 @@ from ..solver.package.common.plain_data import plain
 from ..solver.results import RunResult, Summary
 from ..solver.studies.cases import folder_lock
 from ..solver.studies.design.gradient import (
+    Asked,
     compute_gradient,
     compute_sensitivities,
     gradient_table,
@@ -159,14 +160,9 @@ gravity.3; known: 0, 1, 2
     case = as_case(case)
     _, run, folder = chosen(case, run, coarse=coarse)
     with shown(steps=progress), folder_lock(folder):
-        asked = plain(case.table), case._path, run, of
-        ready = path_of(packages)
+        asked = Asked(plain(case.table), case._path, run, of, folder, path_of(packages), coarse)
         if objective is not None:
-            found = compute_gradient(
-                *asked, plain(objective), build=folder, packages=ready, coarse=coarse
-            )
+            found = compute_gradient(asked, plain(objective))
         else:
-            found = compute_sensitivities(
-                *asked, build=folder, packages=ready, coarse=coarse, progress=progress
-            )
+            found = compute_sensitivities(asked, progress=progress)
         return Sensitivities(*found)

@@ -9,7 +9,7 @@ from ..inputs.case.load import checked_case
 from ..inputs.case.record import case_file
 from ..inputs.common.text_file import read_toml
 from ..studies.cases import build_folder, chosen_run
-from ..studies.design.gradient import compute_gradient, compute_sensitivities, gradient_table
+from ..studies.design.gradient import Asked, compute_gradient, compute_sensitivities, gradient_table
 from ..studies.sensitivities.case_sensitivities import sensitivity_table, write_sensitivities
 
 
@@ -29,12 +29,11 @@ def run_sensitivities(options: argparse.Namespace) -> int:
     table = read_toml(file, "case file")
     run = chosen_run(checked_case(table, file, coarse=options.coarse, sweeps=()), options.run)
     build: Path = options.out or build_folder(file, coarse=options.coarse)
-    where = (table, file, run, options.of or ())
-    common = {"build": build, "packages": options.packages, "coarse": options.coarse}
+    asked = Asked(table, file, run, options.of or (), build, options.packages, options.coarse)
     if options.objective is None:
-        result, summary = compute_sensitivities(*where, **common, progress=not options.quiet)
+        result, summary = compute_sensitivities(asked, progress=not options.quiet)
     else:
-        result, summary = compute_gradient(*where, _objective(options.objective), **common)
+        result, summary = compute_gradient(asked, _objective(options.objective))
     folder = build / "sensitivities" / run
     files = write_sensitivities(folder, result, summary)
     print(gradient_table(summary) if options.objective else sensitivity_table(result))

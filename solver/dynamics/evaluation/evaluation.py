@@ -259,20 +259,10 @@ def evaluate_joints(model: Model, work: Workspace, t: float) -> None:
         one = work.motion[model.joint_marker[k, 0]]
         two = work.motion[model.joint_marker[k, 1]]
         begin, end = model.joint_row[k], model.joint_row[k + 1]
-        drive, drive_d, drive_dd = 0.0, 0.0, 0.0
+        law = (0.0, 0.0, 0.0)
         if model.joint_law[k] >= 0:
-            drive, drive_d, drive_dd = law_at(model, model.joint_law[k], t)
-        joint_rows(
-            rows,
-            begin,
-            model.joint_kind[k],
-            one,
-            two,
-            drive,
-            drive_d,
-            drive_dd,
-            model.joint_parameters[k],
-        )
+            law = law_at(model, model.joint_law[k], t)
+        joint_rows(rows, begin, model.joint_kind[k], one, two, law, model.joint_parameters[k])
         for side in range(2):
             body = model.marker_body[model.joint_marker[k, side]]
             if body >= 0:

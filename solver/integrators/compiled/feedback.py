@@ -28,7 +28,7 @@ import numpy as np
 from ...dynamics.evaluation.elimination import solve
 from ...dynamics.evaluation.evaluation import reaction_slope
 from ...dynamics.evaluation.laws import auxiliary_rate
-from ...dynamics.model.model import Factors, Model, Workspace
+from ...dynamics.model.model import Model, Workspace
 from ...math.arrays import Array, zeros_of
 from ...math.compiled import inlined, lean, structure
 from ...math.expressions.program import NO_SEED, evaluated
@@ -98,29 +98,22 @@ def hold_states(
 
 @inlined
 def left_of_states(
-    model: Model,
-    feedback: Feedback,
-    J: Array,
-    r: Array,
-    rho: Array,
-    s: complex,
-    first: int,
-    gamma: Array,
+    model: Model, frozen: Any, r: Array, rho: Array, s: complex, first: int, gamma: Array
 ) -> None:
     """Subtract the residuals of the auxiliary states from the rows of force elements in gamma.
 
     Parameters
     ----------
     model : arrays of the mechanism (dynamics/model/model.py)
-    feedback : slopes of the forces with feedback, and of their own states
-    J : Jacobians by bodies (nb, n, r), columns of elements included
+    frozen : slopes of the forces with feedback and of their own states, Jacobians of elements
     r : residuals of the rates (n,)
     rho : residuals of positions by bodies (nb, n)
     s : rate per change, of the method over the step size [1/s]
     first : first row of the force elements
     gamma : right-hand sides of the rows (n_r,), changed
     """
-    q, auxiliary, coupled = model.quantities, feedback.auxiliary, feedback.coupled
+    q, feedback, J = model.quantities, frozen.feedback, frozen.J
+    auxiliary, coupled = feedback.auxiliary, feedback.coupled
     for p in range(coupled.shape[0]):
         k, j = q.coupled_force[p], q.coupled_state[p]
         row, left = first + model.layout.element_start[k], r[model.n_pos + model.n_vel + j]
@@ -136,22 +129,14 @@ def left_of_states(
 
 @inlined
 def move_states(
-    model: Model,
-    feedback: Feedback,
-    J: Array,
-    r: Array,
-    rho: Array,
-    x: Array,
-    s: complex,
-    delta: Array,
+    model: Model, frozen: Any, r: Array, rho: Array, x: Array, s: complex, delta: Array
 ) -> None:
     """Fill the changes of the states in delta (n,), from the motion x and rho (nb, n).
 
     Parameters
     ----------
     model : arrays of the mechanism (dynamics/model/model.py)
-    feedback : slopes of the forces with feedback, and of their own states
-    J : Jacobians by bodies (nb, n, r), columns of elements included
+    frozen : slopes of the forces with feedback and of their own states, Jacobians of elements
     r : residuals of the rates (n,)
     rho : residuals of positions by bodies (nb, n)
     x : change of positions by bodies (nb, n)
@@ -159,6 +144,7 @@ def move_states(
     delta : change of the state (n,), filled at the auxiliary states
     """
     q, first = model.quantities, model.n_pos + model.n_vel
+    feedback, J = frozen.feedback, frozen.J
     auxiliary, coupled = feedback.auxiliary, feedback.coupled
     for j in range(model.n_aux):
         delta[first + j] = r[first + j] / (s - auxiliary[j])
@@ -319,29 +305,17 @@ def change_of_force(
 
 
 @lean
-def answer_forces(
-    model: Model,
-    factors: Factors,
-    softness: Array,
-    load: Array,
-    gamma: Array,
-    feedback: Feedback,
-    s: complex,
-    answers: Answers,
-) -> None:
+def answer_forces(model: Model, pencil: Any, feedback: Feedback, s: complex) -> None:
     """Fill the answers of a factorised pencil to the forces with feedback; load, gamma get 0.
 
     Parameters
     ----------
     model : arrays of the mechanism (dynamics/model/model.py)
-    factors : factors of the pencil
-    softness : softness of its rows (n_r,)
-    load : memory by bodies (nb, n), zero on return
-    gamma : memory (n_r,), zero on return
+    pencil : factorised matrix and its memory
     feedback : slopes of the forces with feedback
     s : rate per change, of the method over the step size [1/s]
-    answers : answers to a unit of each force, to fill
     """
+    load, gamma, softness, answers = pencil.load, pencil.gamma, pencil.softness, pencil.answers
     q, layout = model.quantities, model.layout
     n = q.feedback.shape[0]
     first = model.n_constraint + layout.added_start[model.n_body]
@@ -350,7 +324,7 @@ def answer_forces(
         row = first + layout.element_start[q.feedback[i]]
         gamma[:] = 0.0
         gamma[row] = -softness[row]
-        solve(layout, layout.newton, factors, load, gamma, answers.x[i], answers.mu[i])
+        solve(layout, layout.newton, pencil.factors, load, gamma, answers.x[i], answers.mu[i])
     gamma[:] = 0.0
     both = answers.inverse
     both[:] = 0.0

@@ -212,9 +212,7 @@ def factorise_feedback(model: Model, frozen: Frozen, pencil: Pencil, s: complex)
     s : rate per change, of the method over the step size [1/s]
     """
     if model.quantities.feedback.shape[0] > 0:
-        load, gamma, softness = pencil.load, pencil.gamma, pencil.softness
-        factors, answers = pencil.factors, pencil.answers
-        answer_forces(model, factors, softness, load, gamma, frozen.feedback, s, answers)
+        answer_forces(model, pencil, frozen.feedback, s)
 
 
 @inlined
@@ -293,7 +291,7 @@ def solve_pencil(model: Model, frozen: Frozen, pencil: Pencil, s: complex) -> No
                     for b in range(layout.size[body]):
                         lost = frozen.damping[begin + p] * rho[body, b]
                         gamma[e + begin + p] += J[b, first + p] * lost
-    left_of_states(model, frozen.feedback, frozen.J, r, rho, s, e, gamma)
+    left_of_states(model, frozen, r, rho, s, e, gamma)
     for k in range(frozen.damping.shape[0]):
         gamma[e + k] *= pencil.softness[e + k]
     solve(layout, layout.newton, pencil.factors, load, gamma, x, pencil.mu)
@@ -302,7 +300,7 @@ def solve_pencil(model: Model, frozen: Frozen, pencil: Pencil, s: complex) -> No
     feeds = model.quantities.feedback.shape[0] > 0
     if feeds:
         fed_back(model, frozen, pencil, s, x, rho)
-    move_states(model, frozen.feedback, frozen.J, r, rho, x, s, delta)
+    move_states(model, frozen, r, rho, x, s, delta)
     if feeds:
         move_fed_states(model, frozen.feedback, s, x, rho, delta)
     c = 1.0 / s

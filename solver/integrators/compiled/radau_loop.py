@@ -243,23 +243,15 @@ def _stage_residuals(
     work, stage, frozen = workspace.work, workspace.stage, workspace.frozen
     for k in range(3):
         place(workspace, k, h)
-        workspace.power[k] = residual(
-            model,
-            work,
-            t + C[k] * h,
-            stage,
-            workspace.rate,
-            workspace.multipliers[k],
-            workspace.load[k],
-            workspace.gamma[k],
-            workspace.r[k],
-        )
+        load, gamma, r = workspace.load[k], workspace.gamma[k], workspace.r[k]
+        multipliers = workspace.multipliers[k]
+        workspace.power[k] = residual(model, workspace, t + C[k] * h, multipliers, load, gamma, r)
         for i in range(model.n_constraint):
             workspace.driven[k, i] = work.rows[i, PHI_T]
         if first and k == 1:
             freeze(model, work, t + C[k] * h, stage, frozen)
             limit = (MU / refused) ** 2 if refused > 0.0 else 0.0
-            update_tension(model, workspace, t + C[k] * h, workspace.multipliers[k], limit)
+            update_tension(model, workspace, t + C[k] * h, multipliers, limit)
     workspace.counts[EVALUATIONS] += 3
 
 
@@ -309,17 +301,7 @@ def _filtered_residual(model: Model, workspace: RadauWorkspace, t: float) -> Non
     for i in range(stage.shape[0]):
         stage[i] = workspace.y[i] + real.delta[i]
         workspace.rate[i] = -workspace.rate[i]
-    residual(
-        model,
-        workspace.work,
-        t,
-        stage,
-        workspace.rate,
-        workspace.multipliers_old[2],
-        real.load,
-        real.gamma,
-        real.r,
-    )
+    residual(model, workspace, t, workspace.multipliers_old[2], real.load, real.gamma, real.r)
     workspace.counts[EVALUATIONS] += 1
     for i in range(stage.shape[0]):
         stage[i] = workspace.y[i] + workspace.Z[2, i]

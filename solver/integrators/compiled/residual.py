@@ -147,27 +147,20 @@ def start_forces(model: Model, work: Workspace, forces: Array) -> None:
 
 @lean
 def residual(
-    model: Model,
-    work: Workspace,
-    t: float,
-    y: Array,
-    rate: Array,
-    multipliers: Array,
-    load: Array,
-    gamma: Array,
-    r: Array,
+    model: Model, workspace: Any, t: float, multipliers: Array, load: Array, gamma: Array, r: Array
 ) -> float:
-    """Evaluate at (t, y) and fill the residuals of rates and multipliers; return the power [W].
+    """Evaluate a stage at t and fill the residuals of rates and multipliers; return the power [W].
 
     Parameters
     ----------
-    rate : (n,) of y
+    workspace : memory of the run, with the state `stage` and its `rate`
     multipliers : (n_r,) of constraints, and forces of elements
     load : (nb, n), f - M vdot - Phi_q' lambda
     gamma : (n_r,), gamma - Phi_q vdot, with the feedback of Baumgarte's treatment, and the
         residuals of the laws of force elements
     r : (n,), of which positions: G v - qdot, and auxiliary states: their law less zdot
     """
+    work, y, rate = workspace.work, workspace.stage, workspace.rate
     for k in range(model.n_constraint):
         work.multipliers[k] = multipliers[k]
     evaluate(model, work, t, y)

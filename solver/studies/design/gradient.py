@@ -5,7 +5,7 @@ import shutil
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 
@@ -42,36 +42,32 @@ MANY = 50  # parameters of packages, above which they are combined
 OF_DESIGN = "sensitivities"  # the study whose first design has the packages
 
 
-def asked_of(
-    table: dict[str, object],
-    file: Path,
-    run: str,
-    keys: Sequence[str],
-    build: Path,
-    packages: Path | None,
-    *,
-    coarse: bool,
-) -> tuple[RunSpec, list[Parameter], Sequence[str], Array | None]:
+class Asked(NamedTuple):
+    """A run of a case, and by what it is differentiated."""
+
+    table: dict[str, object]  # content of a case file
+    file: Path  # its name for messages and relative paths
+    run: str
+    # of numbers of the mechanism, names of `[design.parameters]`, or parameters of packages; none:
+    # all of `[design.parameters]` that are no choice
+    keys: Sequence[str]
+    build: Path  # folder of the case, where packages are built
+    packages: Path | None = None  # folder of packages that are there already; None: they are built
+    coarse: bool = False  # bodies have coarse meshes
+
+
+def _found(asked: Asked) -> tuple[RunSpec, list[Parameter], Sequence[str], Array | None]:
     """Return a run, its parameters, the keys of the derivatives, and shares.
 
     Many design parameters are replaced by fewer that change the packages in all ways that they do
     (`combined`). Shares (fewer, keys) then say what a parameter has of each key; None otherwise.
-
-    Parameters
-    ----------
-    table, file : content of a case file, and its name for messages and relative paths
-    run : name of the run
-    keys : of numbers of the mechanism, names of `[design.parameters]`, or parameters of packages;
-        none: all of `[design.parameters]` that are no choice
-    build : folder of the case, where packages are built
-    packages : folder of packages that are there already; None: they are built
-    coarse : bodies have coarse meshes
 
     Raises
     ------
     InputError
         A key twice or none; a key that is no number, or has no derivative.
     """
+    table, file, run, keys, build, packages, coarse = asked
     if twice := {key for key in keys if list(keys).count(key) > 1}:
         raise InputError(f"--of {few(twice)}: given twice")
     dotted = [key for key in keys if "." in key]
@@ -123,25 +119,8 @@ def _of_design(
 OBJECTIVE: Final = "objective"  # of summary.json
 
 
-def compute_sensitivities(
-    table: dict[str, object],
-    file: Path,
-    run: str,
-    keys: Sequence[str],
-    *,
-    build: Path,
-    packages: Path | None = None,
-    coarse: bool = False,
-    progress: bool = False,
-) -> tuple[RunResult, Summary]:
+def compute_sensitivities(asked: Asked, *, progress: bool = False) -> tuple[RunResult, Summary]:
     """Return result and summary of a run of a case, with its derivatives by the numbers at `keys`.
-
-    Parameters
-    ----------
-    keys : of numbers, names of `[design.parameters]`, or of parameters by which packages have
-        derivatives; none: all of `[design.parameters]` with numbers
-    table, file : content of a case file, and its name for messages and relative paths
-    build : folder of the case, where packages are built unless `packages` has them
 
     Raises
     ------
@@ -149,8 +128,7 @@ def compute_sensitivities(
         A mistake in the case; a key that is none of a number of the mechanism; what has no
         derivative.
     """
-    asked = asked_of(table, file, run, keys, build, packages, coarse=coarse)
-    spec, parameters, keys, shares = asked
+    spec, parameters, keys, shares = _found(asked)
     result, summary = with_sensitivities(spec, parameters, progress=progress)
     if shares is None:
         return result, summary
@@ -166,35 +144,21 @@ def compute_sensitivities(
     return replace(result, sensitivities=tuple(derivatives)), summary
 
 
-def compute_gradient(
-    table: dict[str, object],
-    file: Path,
-    run: str,
-    keys: Sequence[str],
-    objective: Mapping[str, Any],
-    *,
-    build: Path,
-    packages: Path | None = None,
-    coarse: bool = False,
-) -> tuple[RunResult, Summary]:
+def compute_gradient(asked: Asked, objective: Mapping[str, Any]) -> tuple[RunResult, Summary]:
     """Return result and summary of a run; `objective` of the summary has value and derivatives.
 
-    Parameters
-    ----------
-    objective : a quantity of a run as in `minimise` of a study
-    table, file, run, keys, build, packages, coarse : as for `compute_sensitivities`
+    `objective` is a quantity of a run as in `minimise` of a study.
 
     Raises
     ------
     InputError
         As `compute_sensitivities`; an objective that a run does not have.
     """
-    quantity = validated(Quantity, dict(objective), f"{file}: objective")
+    quantity = validated(Quantity, dict(objective), f"{asked.file}: objective")
     measure = measure_of(quantity)
     if not measure.runs:
         raise InputError(f"objective: {quantity.words()}: expected a signal, strength or energy")
-    asked = asked_of(table, file, run, keys, build, packages, coarse=coarse)
-    spec, parameters, keys, shares = asked
+    spec, parameters, keys, shares = _found(asked)
     refuse(unknown_subject("objective", quantity, spec.mechanism))
     prepared = prepare(spec.mechanism, spec.packages)
     if quantity.subject == "signal" and quantity.name not in prepared.measured:
@@ -208,7 +172,7 @@ def compute_gradient(
     if solution.status == "interrupted":
         raise KeyboardInterrupt
     if solution.status != "finished":
-        raise InputError(f"{run}: an objective needs a run that finishes: {solution.message}")
+        raise InputError(f"{asked.run}: an objective needs a run that finishes: {solution.message}")
     recording = Recording(prepared.model, solution.t, np.asarray(solution.y[:]))
     made = Made(spec, finished, prepared.measured, recording)
     value = measure.shown(measure.raw(made), made.t)

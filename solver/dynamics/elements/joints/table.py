@@ -3,12 +3,12 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from ....math.arrays import Array, IntArray
+from ....math.arrays import Array, IntArray, Triple
 from ....math.catalogue import Call, by_name, catalogue, dispatched
 from ....math.compiled import jit
 from . import __name__ as _package
 from . import __path__ as _path
-from .contract import FREEDOMS, OF_A_LAW, Constraint, Coordinate, CouplingKind, Drive, Joint
+from .contract import FREEDOMS, Constraint, Coordinate, CouplingKind, Drive, Joint
 
 _found = catalogue(_package, _path, Constraint)
 JOINTS: dict[str, Joint] = by_name(
@@ -48,27 +48,19 @@ def _call(constraint: Constraint) -> Call:
     if isinstance(constraint, Joint):
         more = [f"parameters[{k}]" for k in range(len(constraint.parameters))]
     else:
-        more = list(OF_A_LAW) if isinstance(constraint, Drive) else []
+        more = [f"law[{k}]" for k in range(3)] if isinstance(constraint, Drive) else []
     return constraint.rows, ["rows", "k", "one", "two", *more]
 
 
 @jit
 @dispatched("kind", [_call(constraint) for constraint in CONSTRAINTS.values()])
 def joint_rows(
-    rows: Array,
-    k: int,
-    kind: int,
-    one: Array,
-    two: Array,
-    f: float,
-    f_d: float,
-    f_dd: float,
-    parameters: Array,
+    rows: Array, k: int, kind: int, one: Array, two: Array, law: Triple, parameters: Array
 ) -> None:
     """Fill the rows of one joint, beginning at row k.
 
-    `f`, `f_d`, `f_dd` are a drive's law and its rates at the present time, `parameters`
-    (N_PARAMETER,) the numbers of the joint; kinds that have none ignore them.
+    `law` is that of a drive and its rates at the present time, `parameters` (N_PARAMETER,) the
+    numbers of the joint; kinds that have none ignore them.
 
     Parameters
     ----------
@@ -77,8 +69,6 @@ def joint_rows(
     kind : number of the kind (table.py)
     one : motion (24,) of marker one (dynamics/model/motion.py)
     two : motion (24,) of marker two
-    f : law of a drive at the present time [rad or m]
-    f_d : its rate [1/s]
-    f_dd : its second rate [1/s2]
+    law : value of a drive's law at the present time [rad or m], and its rates by time
     parameters : numbers of the joint (N_PARAMETER,)
     """
