@@ -46,7 +46,7 @@ def factorise(layout: Layout, order: RowOrder, factors: Factors, J: Array, softn
     J : Jacobians by bodies (nb, n, r)
     softness : e of each row (n_r,)
     """
-    S, profile, place, start = factors.S, order.profile_start, order.place, order.free_start
+    S, profile, place = factors.S, order.profile_start, order.place
     for k in range(S.shape[0]):
         S[k] = 0.0
     for row in range(softness.shape[0]):
@@ -54,11 +54,8 @@ def factorise(layout: Layout, order: RowOrder, factors: Factors, J: Array, softn
             S[profile[place[row] + 1] - 1] = softness[row]
     for i in range(layout.size.shape[0]):
         n, base, lead = layout.size[i], layout.base[i], layout.lead[i]
-        columns = order.free_column[start[i] : start[i + 1]]
-        places = order.free_place[start[i] : start[i + 1]]
-        L, pivot, W = factors.L[i], factors.pivot[i], factors.W[i]
-        _factorise_body(n, base, lead, L, pivot)
-        _reduce_body(n, base, lead, columns, places, profile, L, pivot, J[i], W, S)
+        _factorise_body(n, base, lead, factors.L[i], factors.pivot[i])
+        _reduce_body(layout, order, factors, i, J[i])
         if base > 0:
             _factorise_frame(layout.driven_column[layout.driven_start[i] :], J[i], factors.P[i])
     factors.regular[0] = factorise_profile(order, S, factors.S_pivot)
@@ -80,29 +77,21 @@ def _factorise_body(n: int, base: int, lead: int, L: Array, pivot: Array) -> Non
 
 
 @inlined
-def _reduce_body(
-    n: int,
-    base: int,
-    lead: int,
-    columns: IntArray,
-    places: IntArray,
-    profile: IntArray,
-    L: Array,
-    pivot: Array,
-    J: Array,
-    W: Array,
-    S: Array,
-) -> None:
-    """W = L^-T J of a body for the rows `columns` of J (n, r), and its part of S."""
-    r = columns.shape[0]
+def _reduce_body(layout: Layout, order: RowOrder, factors: Factors, i: int, J: Array) -> None:
+    """W = L^-T J of body i for its free columns of J (n, r), and its part of S."""
+    n, base, lead = layout.size[i], layout.base[i], layout.lead[i]
+    columns = order.free_column[order.free_start[i] : order.free_start[i + 1]]
+    places = order.free_place[order.free_start[i] : order.free_start[i + 1]]
+    L, pivot, W = factors.L[i], factors.pivot[i], factors.W[i]
+    profile, S, r = order.profile_start, factors.S, columns.shape[0]
     for k in range(n):
         for p in range(r):
             W[k, p] = J[k, columns[p]]
     for k in range(n - 1, base, -1):
-        for i in range(base, min(k, lead)):
-            c = L[k, i]
+        for j in range(base, min(k, lead)):
+            c = L[k, j]
             for p in range(r):
-                W[i, p] -= c * W[k, p]
+                W[j, p] -= c * W[k, p]
     for p in range(r):
         row = places[p]
         start = profile[row + 1] - 1 - row
@@ -223,53 +212,38 @@ def solve(
     a : solution by bodies (nb, n), to fill
     multipliers : multipliers of the rows (k,), to fill
     """
-    mu, place, start = factors.mu, order.place, order.free_start
+    mu, place = factors.mu, order.place
     mu[:] = 0.0
     for row in range(gamma.shape[0]):
         if place[row] >= 0:
             mu[place[row]] = -gamma[row]
     for i in range(layout.size.shape[0]):
-        n, base, lead = layout.size[i], layout.base[i], layout.lead[i]
-        places = order.free_place[start[i] : start[i + 1]]
-        L, D, W, z = factors.L[i], factors.pivot[i], factors.W[i], factors.z[i]
-        if base > 0:
+        if layout.base[i] > 0:
             rows = layout.driven_row[layout.driven_start[i] :]
             columns = layout.driven_column[layout.driven_start[i] :]
             _drive(rows, columns, factors.P[i], gamma, a[i])
-        _eliminate(n, base, lead, places, L, D, W, f[i], a[i], z, mu)
+        _eliminate(layout, order, factors, i, f[i], a[i])
     solve_profile(order, factors.S, factors.S_pivot, mu)
     for row in range(gamma.shape[0]):
         if place[row] >= 0:
             multipliers[row] = mu[place[row]]
     for i in range(layout.size.shape[0]):
-        n, base, lead = layout.size[i], layout.base[i], layout.lead[i]
-        places = order.free_place[start[i] : start[i + 1]]
-        L, D, W, z = factors.L[i], factors.pivot[i], factors.W[i], factors.z[i]
-        _restore(n, base, lead, places, L, D, W, z, mu, a[i])
-        if base > 0:
-            rows = layout.driven_row[layout.driven_start[i] :]
-            columns = layout.driven_column[layout.driven_start[i] :]
-            _react(n, rows, columns, places, L, W, f[i], a[i], mu, factors.P[i], z, multipliers)
+        _restore(layout, order, factors, i, a[i])
+        if layout.base[i] > 0:
+            _react(layout, order, factors, i, f[i], a[i], multipliers)
 
 
 @inlined
 def _eliminate(
-    n: int,
-    base: int,
-    lead: int,
-    places: IntArray,
-    L: Array,
-    pivot: Array,
-    W: Array,
-    f: Array,
-    a: Array,
-    z: Array,
-    mu: Array,
+    layout: Layout, order: RowOrder, factors: Factors, i: int, f: Array, a: Array
 ) -> None:
-    """z = L^-T f of a body, and its part W' D^-1 z of the right-hand side of the multipliers.
+    """z = L^-T f of body i, and its part W' D^-1 z of the right-hand side of the multipliers.
 
     Below `base` the accelerations a are known.
     """
+    n, base, lead, mu = layout.size[i], layout.base[i], layout.lead[i], factors.mu
+    places = order.free_place[order.free_start[i] : order.free_start[i + 1]]
+    L, pivot, W, z = factors.L[i], factors.pivot[i], factors.W[i], factors.z[i]
     for k in range(base, n):
         s = f[k]
         for j in range(base):
@@ -280,34 +254,26 @@ def _eliminate(
             mu[places[p]] += W[k, p] * a[k]
     for k in range(n - 1, base - 1, -1):
         s = z[k]
-        for i in range(base, min(k, lead)):
-            z[i] -= L[k, i] * s
+        for j in range(base, min(k, lead)):
+            z[j] -= L[k, j] * s
         c = s * pivot[k]
         for p in range(places.shape[0]):
             mu[places[p]] += W[k, p] * c
 
 
 @inlined
-def _restore(
-    n: int,
-    base: int,
-    lead: int,
-    places: IntArray,
-    L: Array,
-    pivot: Array,
-    W: Array,
-    z: Array,
-    mu: Array,
-    a: Array,
-) -> None:
-    """a = L^-1 D^-1 (z - W mu) of a body, from `base` on."""
+def _restore(layout: Layout, order: RowOrder, factors: Factors, i: int, a: Array) -> None:
+    """a = L^-1 D^-1 (z - W mu) of body i, from `base` on."""
+    n, base, lead, mu = layout.size[i], layout.base[i], layout.lead[i], factors.mu
+    places = order.free_place[order.free_start[i] : order.free_start[i + 1]]
+    L, pivot, W, z = factors.L[i], factors.pivot[i], factors.W[i], factors.z[i]
     for k in range(base, n):
         s = z[k]
         for p in range(places.shape[0]):
             s -= W[k, p] * mu[places[p]]
         s *= pivot[k]
-        for i in range(base, min(k, lead)):
-            s -= L[k, i] * a[i]
+        for j in range(base, min(k, lead)):
+            s -= L[k, j] * a[j]
         a[k] = s
 
 
@@ -329,20 +295,20 @@ def _drive(rows: IntArray, columns: IntArray, P: Array, gamma: Array, a: Array) 
 
 @inlined
 def _react(
-    n: int,
-    rows: IntArray,
-    columns: IntArray,
-    places: IntArray,
-    L: Array,
-    W: Array,
+    layout: Layout,
+    order: RowOrder,
+    factors: Factors,
+    i: int,
     f: Array,
     a: Array,
-    mu: Array,
-    P: Array,
-    z: Array,
     multipliers: Array,
 ) -> None:
-    """Multipliers of the rows that drive a frame: P' lambda = residual of its equation."""
+    """Multipliers of the rows that drive the frame of body i: P' lambda = what is left of f."""
+    n, mu, P = layout.size[i], factors.mu, factors.P[i]
+    rows = layout.driven_row[layout.driven_start[i] :]
+    columns = layout.driven_column[layout.driven_start[i] :]
+    places = order.free_place[order.free_start[i] : order.free_start[i + 1]]
+    L, W, z = factors.L[i], factors.W[i], factors.z[i]
     for k in range(6):
         s = f[k]
         for j in range(k):
