@@ -83,6 +83,8 @@ class PrismaticSolver:
         assert not isinstance(result, CentralSolutions)
         self._state, self._solver, self._space = state, factorised, result.space
         self._A, self._V0 = result.A, result.V0
+        stress = state.C @ result.space.strain_along_beam(state.Z)
+        self._of_motions = result.space.load_along_beam(stress)  # (n_dof, 6)
 
     def solve(self, load: Array, resultants: Array, _: float) -> tuple[Array, Array]:
         """W (n_dof, p, 6) and S_e (6, p, 6) with these terms, of the same shapes.
@@ -104,16 +106,13 @@ class PrismaticSolver:
         def changing(columns: Array) -> Array:
             return columns.reshape(len(columns), -1, len(forces)) @ T
 
-        stress = state.C @ (
-            space.strain_in_section(flat(W[..., forces]))
-            + space.strain_along_beam(state.Z @ flat(S_e[..., forces]))
-        )
-        change = state.C @ space.strain_along_beam(flat(changing(W[..., forces])))
-        left = space.load_in_section(change).reshape(load[shear].shape)
-        along = state.Z.T @ space.load_along_beam(change)
+        rate = flat(changing(W[..., forces]))
+        left = space.load_in_section(state.C @ space.strain_along_beam(rate))
+        along = space.load_along_beam(state.C @ space.strain_in_section(flat(W[..., forces])))
+        along += self._of_motions @ flat(S_e[..., forces])
         W[shear], S_e[shear] = self._constant(
-            load[shear] - left + changing(space.load_along_beam(stress)),
-            resultants[shear] - along.reshape(resultants[shear].shape),
+            load[shear] - left.reshape(load[shear].shape) + changing(along),
+            resultants[shear] - (self._of_motions.T @ rate).reshape(resultants[shear].shape),
         )
         return W, S_e
 

@@ -238,9 +238,9 @@ class Strength(Measure):
         body, package = finished.built.body_names.index(name), finished.built.packages[name]
         plies, known = _plies(package), weights is not None
         rows = np.zeros((len(plies), made.t.size))  # zero of a ply without strengths
-        for row, (region, ply) in enumerate(plies):
-            if weights is not None and not weights[:, row].any():
-                continue
+        read = range(len(plies))
+        for row in read if weights is None else np.flatnonzero(weights.any(axis=(0, 2))):
+            region, ply = plies[row]
             table = {"kind": "exposure", "body": name, "region": region, "ply": ply}
             with suppress(InputError):  # a ply without strengths
                 signal = StrengthSignal.model_validate(table)
