@@ -16,7 +16,6 @@ from ..math.disk_cache import file_sha256
 from ..package.common.cells import TRIANGLE
 from ..package.common.container import new_file, set_text
 from ..package.common.files import temporary_sibling
-from ..package.common.object_file import write_file_checksum
 from ..package.common.plain_data import plain
 from ..results import BodyGeometry, RunResult, read_result
 from ..results.file import frames, write_grid
@@ -245,7 +244,6 @@ def write_vtk(path: Path, result_file: Path) -> Path:
             for name, values in frame.items():
                 count = cells if name.startswith("CellData") else points
                 grid[name][k * count : (k + 1) * count] = values
-        write_file_checksum(file)
     return path
 
 

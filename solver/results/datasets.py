@@ -58,20 +58,15 @@ def read_array(dataset: h5py.Dataset) -> np.ndarray:
 
 
 class Datasets:
-    """Arrays with unit, frame and meaning; what is written is kept for the checksum.
+    """Arrays with unit, frame and meaning.
 
     Parameters
     ----------
     total : bytes that will be written, about
     progress : called with the part of them that is written
-
-    Attributes
-    ----------
-    written : large arrays by the path of their dataset
     """
 
     def __init__(self, total: int = 1, progress: Callable[[float], None] | None = None) -> None:
-        self.written: dict[str, Array | IntArray | LongRows] = {}
         self._total, self._progress, self._done = total, progress, 0
 
     def _report(self, size: int) -> None:
@@ -104,7 +99,6 @@ class Datasets:
             for first, end in blocks(values.shape):
                 dataset[first:end] = values[first:end]
                 self._report(values.nbytes * (end - first) // values.shape[0])
-            self.written[dataset.name.lstrip("/")] = values
         else:
             dataset = new_dataset(group, name, np.asarray(values))
             self._report(values.nbytes)

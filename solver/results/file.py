@@ -11,7 +11,7 @@ import numpy as np
 
 from ..errors import nearest
 from ..math.arrays import Array, IntArray, distinct
-from ..math.rows import ComputedRows, LongRows
+from ..math.rows import ComputedRows
 from ..package.common.container import (
     MAX_ATTRIBUTE,
     get_text,
@@ -21,7 +21,8 @@ from ..package.common.container import (
     set_text,
 )
 from ..package.common.dataset import field_values
-from ..package.common.object_file import check_file_checksum, version_of, write_file_checksum
+from ..package.common.files import check_seal
+from ..package.common.object_file import version_of
 from ..package.common.plain_data import plain
 from .datasets import (
     LAYOUT,
@@ -112,14 +113,13 @@ def write_result(
             write_texts(group, "provenance", [provenance])
         else:
             set_text(file, "provenance", provenance)
-        written = dict(_write_results(group, result, all_positions, progress))
-        written |= _write_sensitivities(file, result)
+        _write_results(group, result, all_positions, progress)
+        _write_sensitivities(file, result)
         chosen = frames(len(result.t), max_frames)
         deflection = None if result.node_deflection is None else result.node_deflection[chosen]
         points = result.node_positions_G[chosen]
         view = file.create_group("VTKHDF")
-        written |= write_animation(view, result.bodies, result.t[chosen], points, deflection)
-        write_file_checksum(file, written)
+        write_animation(view, result.bodies, result.t[chosen], points, deflection)
 
 
 def frames(k: int, max_frames: int) -> IntArray:
@@ -132,7 +132,7 @@ def _write_results(
     result: RunResult,
     all_positions: bool,
     progress: Callable[[float], None] | None,
-) -> Mapping[str, Array | IntArray | LongRows]:
+) -> None:
     width = sum(array.shape[1] for array in (result.q, result.v, result.multipliers))
     width += len(result.energies) + len(result.violations) + len(result.signals) + 1
     datasets = Datasets(8 * width * len(result.t), progress)
@@ -166,18 +166,14 @@ def _write_results(
     if result.node_deflection is not None:
         text = "magnitude of the elastic displacement"
         put(group, "node_deflection", result.node_deflection, "m", "B", text)
-    return datasets.written
 
 
-def _write_sensitivities(
-    file: h5py.File, result: RunResult
-) -> Mapping[str, Array | IntArray | LongRows]:
+def _write_sensitivities(file: h5py.File, result: RunResult) -> None:
     datasets = Datasets()
     for index, one in enumerate(result.sensitivities):
         group, text = file.require_group(f"sensitivities/{one.signal}"), "derivative of the signal"
         item = datasets.put(group, one.parameter, one.values, one.unit, "-", text)
         item.attrs["index"], item.attrs["value"] = index, one.value
-    return datasets.written
 
 
 def _write_records(
@@ -222,10 +218,8 @@ def write_animation(
     t: Array,
     points: Array,
     deflection: Array | None = None,
-) -> dict[str, Array]:
+) -> None:
     """Write one unstructured grid of all bodies: fixed points and cells, moving displacement.
-
-    Returns large arrays by the path of their dataset, for the checksum.
 
     Parameters
     ----------
@@ -252,13 +246,10 @@ def write_animation(
     moving = {"displacement": (points - points[0]).reshape(-1, 3)}
     if deflection is not None:
         moving["deflection"] = deflection.ravel()
-    written = {}
     for name, values in moving.items():
         dataset = view.create_dataset(f"PointData/{name}", data=values)
         set_text(dataset, "unit", "m")
-        written[dataset.name.lstrip("/")] = values
         steps[f"PointDataOffsets/{name}"] = np.arange(n_step, dtype=np.int64) * n
-    return written
 
 
 def write_grid(
@@ -323,7 +314,7 @@ def read_result(path: str | Path) -> RunResult:
         version = version_of(path, file, FORMAT, majors, ResultError)
         result = _load(path, file)
         if version > (1, 0):  # 1.0 had none
-            check_file_checksum(path, file, ResultError)
+            check_seal(path, ResultError)
         try:
             check_result(result)
         except ResultError as error:

@@ -10,8 +10,7 @@ other files are refused.
 import contextlib
 import hashlib
 import json
-import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -90,7 +89,6 @@ def _text(name: str | bytes) -> str:
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 LIBVER = ("earliest", "v110")  # readable by HDF5 1.10 and by VTK
 MOST_DEEP = 20  # groups in groups: a link to an outer group would never end
-AT_ONCE = 4_000_000  # bytes of a dataset that are hashed together
 MAX_ATTRIBUTE = 60_000  # HDF5 stores larger attributes in a form that old libraries cannot read
 
 
@@ -312,13 +310,10 @@ def is_text(dtype: np.dtype[Any]) -> bool:
     return h5py.check_string_dtype(dtype) is not None
 
 
-def content_sha256(
-    group: h5py.Group, *preamble: str, without: str = "", known: Mapping[str, Any] | None = None
-) -> str:
+def content_sha256(group: h5py.Group, *preamble: str) -> str:
     """Hash names, attributes and values of a group in a canonical order.
 
-    An attribute of the group named `without` is left out. Data with two names are hashed with each.
-    Values of datasets whose paths are `known` are not read from the file again.
+    Data with two names are hashed with each.
 
     The rule (docs/format.md repeats it for other writers): a sequence of items,
     each its length in bytes as decimal text, a colon, and the bytes. Items are
@@ -331,8 +326,6 @@ def content_sha256(
     ----------
     group : group, with all below it
     preamble : texts before the group
-    without : name of an attribute of the group that is left out
-    known : values of datasets by path, if they were read
     """
     digest = hashlib.sha256()
 
@@ -340,25 +333,16 @@ def content_sha256(
         digest.update(b"%d:" % len(raw))
         digest.update(raw)
 
-    def value(data: Any) -> None:
-        """Add a value, a block of rows at a time: results may be larger than the memory."""
-        shape, size = data.shape, 8 * math.prod(data.shape)
-        whole = not shape or size < AT_ONCE
-        if whole:
-            data = _values(data.id, shape) if isinstance(data, h5py.Dataset) else np.asarray(data)
-            data = data if shape else data.reshape(1)
+    def value(data: np.ndarray) -> None:
         if data.dtype.kind in "SOU":
             texts = (t if isinstance(t, bytes) else str(t).encode() for t in data.ravel().tolist())
             digest.update(b"".join(b"%d:%b" % (len(raw), raw) for raw in texts))
             return
         kind = "f8" if data.dtype.kind == "f" else "i8"
-        item(",".join(map(str, shape)).encode())
+        item(",".join(map(str, data.shape)).encode())
         item(kind.encode())
-        digest.update(b"%d:" % size)
-        rows = max(1, len(data) if whole else AT_ONCE * len(data) // size)
-        for first in range(0, len(data), rows):
-            block = np.ascontiguousarray(data[first : first + rows], dtype=f"<{kind}")
-            digest.update(block.ravel().data)
+        digest.update(b"%d:" % (8 * data.size))
+        digest.update(np.ascontiguousarray(data, dtype=f"<{kind}").ravel().data)
 
     for text in preamble:
         item(text.encode("utf-8"))
@@ -369,12 +353,10 @@ def content_sha256(
         names: list[bytes] = []
         h5py.h5a.iterate(member.id, names.append)
         for name in sorted(names):
-            if name == without.encode() and path == "":
-                continue
             item(name)
             value(_attribute(member, name))
         if isinstance(member, h5py.Dataset):
-            value(known.get(path, member) if known else member)
+            value(_values(member.id, member.shape))
     return digest.hexdigest()
 
 

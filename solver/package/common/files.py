@@ -136,6 +136,15 @@ def has_seal(path: Path) -> bool:
         return _ends_with_seal(file)
 
 
+def check_seal(path: Path, error: type[Exception]) -> None:
+    """Raise `error` for a file without a seal; `open_file` has compared the bytes of others."""
+    if not has_seal(path):
+        raise error(
+            f"{path}: content was altered after writing, or is incomplete: expected a seal at the "
+            "end of the file (docs/format.md)"
+        )
+
+
 def _ends_with_seal(file: BinaryIO) -> bool:
     size = file.seek(0, os.SEEK_END)
     file.seek(max(size - LENGTH, 0))

@@ -50,7 +50,6 @@ from .plain_data import json_table, json_text
 from .vtk_view import view_findings
 
 UNITS = "SI"
-CHECKSUM = "content_sha256"
 
 
 @record
@@ -85,34 +84,6 @@ def write_checksum(file: h5py.File, known: FileFormat) -> None:
 
 def _checksum(file: h5py.File, known: FileFormat) -> str:
     return content_sha256(file[known.group], get_text(file, known.title), get_text(file, "units"))
-
-
-def write_file_checksum(file: h5py.File, known: Mapping[str, Any] | None = None) -> None:
-    """Write the checksum of a whole file, after all data; `known` as in `content_sha256`."""
-    set_text(file, CHECKSUM, content_sha256(file, without=CHECKSUM, known=known))
-
-
-def check_file_checksum(path: Path, file: h5py.File, error: type[Exception]) -> None:
-    """Compare a whole file with its checksum. Raises `error`.
-
-    `open_file` has compared all bytes of a file with a seal, which takes a tenth of the time.
-
-    Parameters
-    ----------
-    path : path of the file, for messages
-    file : open HDF5 file
-    error : class of the error
-    """
-    stored = get_text(file, CHECKSUM)
-    if stored and has_seal(path):
-        return
-    actual = content_sha256(file, without=CHECKSUM)
-    if actual != stored:
-        stored_text = f"{stored[:12]}..." if stored else "none"
-        raise error(
-            f"{path}: {CHECKSUM}: content was altered after writing, or is incomplete: "
-            f"expected {actual[:12]}..., found {stored_text}"
-        )
 
 
 def unit_findings(file: h5py.File) -> list[Remark]:

@@ -11,7 +11,8 @@ import numpy as np
 
 from ...math.arrays import Array
 from ...package.common.container import as_text, get_text, new_file, open_file, set_text, text_array
-from ...package.common.object_file import check_file_checksum, version_of, write_file_checksum
+from ...package.common.files import check_seal
+from ...package.common.object_file import version_of
 from ...package.common.plain_data import cell_text, csv_text
 from ...results import ResultError
 from ...results.summary import MEASURES
@@ -165,7 +166,6 @@ def write_sweep(path: Path, result: SweepResult) -> None:
                 key = f"histories/{name}"
                 data = file.create_dataset(key, data=result.history(name), **packed)
                 set_text(data, "description", result.signal_words[name])
-        write_file_checksum(file)
 
 
 def _digests(result: SweepResult) -> list[str]:
@@ -226,7 +226,7 @@ def _read(path: Path, *, whole: bool) -> tuple[SweepResult, list[str]]:
         if minor < least:
             raise ResultError(f"{path}: format {major}.{minor}: expected {major}.{least} or later")
         if whole:
-            check_file_checksum(path, file, ResultError)
+            check_seal(path, ResultError)
         return _load(path, file), _words(file["members/sha256"])
 
 
