@@ -12,10 +12,10 @@ from ..dynamics.evaluation.evaluation import Called
 from ..dynamics.model.model import Model, state_size
 from ..errors import InputError
 from ..math.arrays import Array, distinct
+from ..math.expressions.operations import LOAD
 from .breakpoints import breaks
 from .explicit import ExplicitLoop
 from .generic.base import Integrator
-from .hidden import HiddenForces
 from .step_loop import projection, right_hand_side
 from .table import EXAMPLES, INTEGRATORS, treatment_of
 
@@ -137,8 +137,11 @@ def make_integrator(
         options["project"] = projection(model)
     subject = model if kind.takes == "model" else right_hand_side(model)
     made: Integrator = kind(subject, 0.0, y0, solver.t_end, **options)
-    if fixed_step is None and (unseen := HiddenForces(model, made.points, made.rates_fit)):
-        made.hidden, made.chattering = unseen.stops, unseen.chattering
+    if fixed_step is None and np.any(model.quantities.programs.code == LOAD):
+        from .hidden import HiddenForces  # not for expressions of time alone
+
+        if unseen := HiddenForces(model, made.points, made.rates_fit):
+            made.hidden, made.chattering = unseen.stops, unseen.chattering
     if fixed_step is None and solver.max_step is None:  # else the user has chosen the steps
         made.unsearched = broken.unsearched
     made.vibrates = bool(

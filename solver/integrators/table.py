@@ -15,6 +15,7 @@ from . import __path__ as _path
 from .generic.base import Derivative, Integrator
 
 FIRST_ARGUMENTS = ("derivative", "model")
+NO_INTEGRATORS = ("table", "choice", "generic", "compiled", "hidden", "watched")
 
 
 def classes_of(package: str, path: Iterable[str]) -> list[type[Integrator]]:
@@ -26,7 +27,7 @@ def classes_of(package: str, path: Iterable[str]) -> list[type[Integrator]]:
     """
     classes = [
         kind
-        for kind in catalogue(package, path, ABCMeta, ("table", "choice", "generic", "compiled"))
+        for kind in catalogue(package, path, ABCMeta, NO_INTEGRATORS)
         if issubclass(kind, Integrator) and kind.name and not isabstract(kind)
     ]
     for kind in classes:

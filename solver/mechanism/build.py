@@ -39,7 +39,6 @@ from .built import BuiltMechanism, Start, frame_marker
 from .case_tables import Reader, coupling_rows, force_tables, joint_tables, wind_laws
 from .consistent import assembled
 from .places import Places
-from .rotor import rotor_table
 from .tables import Body, JointTable, MarkerTable, flexible_body, rigid_body
 from .tolerances import HEAVY_POINT_MASS
 
@@ -248,6 +247,8 @@ def build(
     reader.found.couplings += coupling_rows(mechanism, reader)
     rotor = None
     if mechanism.rotor is not None:
+        from .rotor import rotor_table  # few mechanisms have one
+
         winds = wind_laws(mechanism, mechanism.rotor.wind)
         rotor = rotor_table(mechanism.rotor, winds, places, reader.found)
     masses = [

@@ -22,7 +22,6 @@ from ..results import RunResult, Summary, write_result, write_summary
 from ..results.codes import Finding
 from ..results.live import Copies
 from ..system.interrupts import completing, stop_requested
-from .error_bars import with_error_bars
 from .inputs import RunSpec, inputs_sha256, still
 from .outcome import collect, disk_note, nearest_folder
 from .preparation import Prepared, histories_of, integrated, prepare
@@ -340,6 +339,8 @@ def run_file(
         with completing(patience_s):  # what is computed is kept
             collected = _collected(spec, *solved, solving, disk, progress, patience_s)
             if spec.mechanism.solver.error_bars and collected[1]["completed"]:
+                from .error_bars import with_error_bars
+
                 again = partial(execute, progress=progress, folder=disk, allow_python=allow_python)
                 with_error_bars(collected[1], spec, collected[0], again)
                 digest = "" if stop_requested() else digest  # the bars are not complete

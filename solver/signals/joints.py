@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ..dynamics.analysis.recovery import Recording
+from ..dynamics.analysis.recovery import Recording, Values
 from ..dynamics.elements.joints.contract import Angle, Displacement, Drive
 from ..dynamics.elements.joints.table import CONSTRAINTS, COORDINATES, NAMES
 from ..dynamics.evaluation.evaluation import n_coupling
@@ -116,9 +116,6 @@ def _turns(recording: Recording, joint: BuiltJoint, angle: Angle, angle_at: floa
             start, _, _ = law_at(model, model.joint_law[row], recording.t[0])
             return float(2.0 * np.pi * np.round((start - angle_at) / (2.0 * np.pi)))
     return 0.0
-
-
-Values = Callable[[Recording], Array]
 
 
 def force_values(built: BuiltMechanism, of: str) -> tuple[str, Values]:

@@ -11,12 +11,12 @@ place of the section, but no forces: what few modes miss of distributed inertia 
 Stresses of material damping are included.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..dynamics.analysis.recovery import Recording, body_frames, stiffened
+from ..dynamics.analysis.recovery import Look, Recording, Values, body_frames, stiffened
 from ..dynamics.evaluation import series
 from ..errors import InputError, few, nearest
 from ..math.arrays import Array, IntArray
@@ -184,10 +184,6 @@ class Cut:
         J = self.J_B
         h_d = np.einsum("pab,kpb->kpa", J, W_d) + np.cross(W, np.einsum("pab,kpb->kpa", J, W))
         return b, self.mass[:, None] * (fall_B[:, None] - a_B), h_d
-
-
-Values = Callable[[Recording], Array]
-Look = Callable[[Recording], None]
 
 
 def resultant_values(

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..dynamics.analysis.recovery import Recording
+from ..dynamics.analysis.recovery import Look, Recording, Values
 from ..dynamics.elements.joints.table import COORDINATES
 from ..dynamics.model.model import Model
 from ..errors import InputError
@@ -21,8 +21,6 @@ from ..strength.fatigue import StressLife, Turning, fatigue_summary, rainflow_cy
 from .joints import force_values, joint_coordinate, reaction
 from .points import POINT_UNITS, point_values
 from .rotor import UNITS, rotor_values
-from .sections import Look, Values, ply_stress_values, resultant_values, stress_life
-from .strength import strength_values
 
 if TYPE_CHECKING:
     from ..inputs.case.tables.signals import Signal
@@ -273,6 +271,8 @@ def sensors(
         unit, values, look = measuring(name)
         life = None
         if signal.kind == "ply_stress":
+            from .sections import stress_life
+
             life = stress_life(materials or {}, built.packages[signal.body], signal)
         scale = signal.divide_by or 1.0
         sensors_by_name[name] = Sensor(unit, signal.description, values, look, life, scale)
@@ -319,6 +319,10 @@ def _measuring(
     assert signal.kind != "difference"
     assert signal.kind != "norm"
     key = f"signals.{name}"
+    if signal.kind in ("strength_ratio", "exposure", "ply_stress", "resultant"):
+        # Not for runs without such a signal: they start sooner.
+        from .sections import ply_stress_values, resultant_values
+        from .strength import strength_values
     if signal.kind == "joint":
         values = joint_coordinate(built.joints[signal.joint], signal.coordinate)
         unit = COORDINATES[signal.coordinate].unit

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..dynamics.analysis.recovery import Recording
+from ..dynamics.analysis.recovery import HELD, Recording
 from ..errors import InputError, nearest
 from ..math.arrays import Array, IntArray
 from ..package import ModalPackage
@@ -17,11 +17,6 @@ from .sections import resultants_at
 
 if TYPE_CHECKING:
     from ..inputs.case.tables.signals import StrengthSignal
-
-
-# In the memory of a recording, a table: the first values under a key and a body note which points
-# govern, later ones are those of the same points. A derivative needs no search.
-HELD = "governing points"
 
 
 def strength_values(

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ..errors import InputError, PackageError, few
-from ..inputs.case.messages import ERRORS, out_of_range
 from ..math.compiled import tell_if_slow
 from ..package.common.files import refuse_foreign
 from ..results import RunResult, Summary
@@ -131,6 +130,8 @@ def _outcome(task: _Task) -> Outcome:
     except Exception as error:
         if of_a_signal(error):
             return Outcome(INTERRUPTED, errors=[f"{task.file}: {ending_words()}"])
+        from ..inputs.case.messages import ERRORS, out_of_range
+
         if isinstance(error, ERRORS):
             mechanism = json.loads(task.file.read_text(encoding="utf-8"))["mechanism"]
             if message := out_of_range(str(task.file), mechanism):

@@ -308,6 +308,11 @@ def momentum_balance(model: Model, t: Array, y: Array) -> MomentumBalance:
 MARKERS = 32  # whose motions are kept: signals of a place follow each other
 
 
+# In the memory of a recording, a table: the first values under a key and a body note which points
+# govern, later ones are those of the same points. A derivative needs no search.
+HELD = "governing points"
+
+
 class Recording:
     """States y (k, n) of a model at times t (k,); each quantity is computed once.
 
@@ -412,3 +417,8 @@ class Recording:
     def _loads(self) -> Array:
         """Force and moment of every joint on its two sides, (k, 2 nj, 6), and of force elements."""
         return series.marker_loads(self.model, self.t, self.y, self.multipliers)
+
+
+# Of signals: values (k, ...) of a recording; a look at each of its blocks before.
+Values = Callable[[Recording], Array]
+Look = Callable[[Recording], None]
