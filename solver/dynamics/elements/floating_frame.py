@@ -326,15 +326,15 @@ def evaluate_bodies(model: Model, work: Workspace, y: Array) -> None:
         m = model.n_mode[i]
         p = model.pos_start[i]
         c = model.n_pos + model.vel_start[i]
-        A, M, f = work.A[i], work.M[i], work.f[i]
-        rotation_into(y[p + 3 : p + 7], A)
+        f = work.f[i]
+        rotation_into(y[p + 3 : p + 7], work.A[i])
         q, q_d = y[p + 7 : p + 7 + m], y[c + 6 : c + 6 + m]
         stiffened = model.second_start[i + 1] > model.second_start[i]
         _moments(model, work, i, q, q_d)
         if stiffened:
             add_moments(model, work, i, q, q_d)
             add_carried(model, work, i, q, q_d)
-        _inertia(model, work, i, A, q_d, triple(y[c + 3 : c + 6]), M, f)
+        _inertia(model, work, i, q_d, triple(y[c + 3 : c + 6]))
         if stiffened:
             add_modal_inertia(model, work, i, q, q_d)
         two = model.square_start[i]
@@ -392,18 +392,9 @@ def _axial(T: Array, k: int) -> Triple:
 
 
 @inlined
-def _inertia(
-    model: Model,
-    work: Workspace,
-    i: int,
-    A: Array,
-    q_d: Array,
-    w: Triple,
-    M: Array,
-    f: Array,
-) -> None:
-    """Fill the lower triangle of M (6 + m, 6 + m) and f (6 + m,), without stiffness."""
-    m = model.n_mode[i]
+def _inertia(model: Model, work: Workspace, i: int, q_d: Array, w: Triple) -> None:
+    """Fill the lower triangle of M (6 + m, 6 + m) and f (6 + m,) of body i, without stiffness."""
+    m, A, M, f = model.n_mode[i], work.A[i], work.M[i], work.f[i]
     two, S = model.square_start[i], 3 * model.mode_start[i]
     D, R, C, B, P = work.D, work.R, work.C, work.B, work.P
     mass, J_psi = model.mass[i], model.J_psi

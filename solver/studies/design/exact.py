@@ -19,7 +19,6 @@ from ...errors import InputError
 from ...inputs.case.bodies.specifications import BodySpec
 from ...inputs.case.tables.schema import Mechanism
 from ...inputs.section.study import leaves_of
-from ...integrators.generic.drive import Steps
 from ...math.arrays import Array
 from ...mechanism.build import used_packages
 from ...package.common.plain_data import inputs_sha256
@@ -210,19 +209,14 @@ def made_beside(
 
 
 def gradients(
-    prepared: Prepared,
-    parameters: Sequence[Parameter],
-    steps: Sequence[Steps],
-    y: Array,
-    read: Read,
-    weights: Weights,
+    traced: Traced, parameters: Sequence[Parameter], read: Read, weights: Weights
 ) -> Array:
     """Return the derivatives (P, v) of v numbers of a run by its parameters.
 
     Parameters
     ----------
-    steps : of its trace
-    y : (n_t, n) at the output times
+    traced : the run with its trace
+    parameters : numbers of its case
     read : what the numbers are made of, each value by the state at its own time
     weights : derivatives of the numbers by what `read` returns, at the run itself
 
@@ -231,6 +225,7 @@ def gradients(
     InputError
         As `sides`; a run with impacts or sampled states, which have no adjoint.
     """
+    prepared, steps = traced.prepared, traced.trace.steps
     model, solver = prepared.model, prepared.mechanism.solver
     if model.quantities.event_state.size or Instants(model, solver.t_end).t.size:
         raise InputError(
@@ -239,6 +234,7 @@ def gradients(
         )
     pairs, columns, start = sides(prepared, parameters)
     times, held = output_times(solver.t_end, solver.output_step), dict[str, object]()
+    y = np.asarray(traced.finished.solution.y[:])
     itself = Variant(replace(prepared.built, model=model), prepared.y0)
     read(itself, Recording(model, times, y, {HELD: held}))  # notes which plies govern
 
@@ -325,9 +321,7 @@ def by_adjoint(
         there = Made(made.spec, finished, sensors, recording)
         return [m.raw(there, w) for m, w in zip(measures, own, strict=True)]
 
-    y = np.asarray(traced.finished.solution.y[:])
-    slopes = gradients(traced.prepared, parameters, traced.trace.steps, y, read, weights)
-    return np.split(slopes.T, ends[:-1])
+    return np.split(gradients(traced, parameters, read, weights).T, ends[:-1])
 
 
 def adjoint_slopes(

@@ -12,6 +12,7 @@ from ...dynamics.evaluation.accelerations import assemble
 from ...dynamics.model.model import Model, modal_matrix
 from ...math.arrays import Array
 from ...math.rotations import frame_from_axis, rotation_matrix, skew
+from ...mechanism.built import BuiltMechanism
 from ...package import ModalPackage
 from .differences import STEP, units_of
 from .state_space import StateSpace
@@ -181,22 +182,16 @@ class Participation:
 
 
 def participation(
-    model: Model,
-    space: StateSpace,
-    modes: Modes,
-    body_names: Sequence[str],
-    packages: Mapping[str, ModalPackage],
-    axis: Array | None = None,
+    model: Model, built: BuiltMechanism, space: StateSpace, modes: Modes, axis: Array | None = None
 ) -> Participation:
     """Return what moves in each mode; `axis` (3,) is that of the spin, global.
 
     Parameters
     ----------
-    model : arrays of the mechanism (dynamics/model/model.py)
+    model : arrays of the mechanism (dynamics/model/model.py), in this state
+    built : the mechanism, for names of its coordinates
     space : linearised equations about a state
     modes : modes of the linearised equations
-    body_names : names of the bodies of the model
-    packages : modal packages by name
     axis : axis of the spin (3,), global
     """
     x = modes.x
@@ -211,7 +206,7 @@ def participation(
     bodies /= np.maximum(bodies.sum(axis=0), 1e-300)
     weights = np.abs(x) ** 2 * model.inertia_scale[:, None]
     weights /= np.maximum(weights.sum(axis=0), 1e-300)
-    names = coordinate_names(model, body_names, packages)
+    names = coordinate_names(model, built.body_names, built.packages)
     whole = np.abs(modes.eigenvalues) ** 2  # of unit modal mass: twice the largest energy
     elastic = strain.sum(axis=0) > _ELASTIC * whole
     top = np.where(elastic, strain.argmax(axis=0), weights.argmax(axis=0)) if k else []

@@ -154,7 +154,7 @@ def find_modes(states: States, state: State, *, ports: bool = True, check: bool 
         state, spin = replace(state, spin=None), None
         space, modes = linearised(np.zeros(3))
     axis = spin.axis if spin is not None else None
-    shares = participation(state.model, space, modes, built.body_names, built.packages, axis)
+    shares = participation(state.model, built, space, modes, axis)
     whirl = whirl_rates(modes, shares.forward, spin.rate if spin is not None else 0.0)
     return Found(states, state, space, modes, shares, whirl)
 

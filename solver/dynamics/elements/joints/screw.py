@@ -7,12 +7,12 @@ import numpy as np
 
 from ....math.arrays import Array
 from ....math.compiled import jit
-from ....math.rotations import cross3, dot3, minus3, sum3, times3
+from ....math.rotations import cross3, dot3, minus3, times3
 from ...model.model import GAMMA, PHI, PHI_T
 from ...model.motion import axis, place, spin, velocity
 from .contract import ANGLE, Direction, DrivenBy, Joint, Number, Numbers, Z
-from .rotation_drive import ROTATION_DRIVE
-from .rows import along_axis, on_z_axis, orthogonal_axes, parallel_z
+from .rotation_drive import ROTATION_DRIVE, rotation_drive
+from .rows import along_axis, on_z_axis, parallel_z
 
 
 @jit
@@ -40,9 +40,8 @@ def screw(rows: Array, k: int, one: Array, two: Array, lead: float, start: float
     d = minus3(place(two), place(one))
     turning = cross3(spin(one), z)
     f_d = per * (dot3(z, minus3(velocity(two), velocity(one))) + dot3(turning, d))
+    rotation_drive(rows, k + 4, one, two, f, f_d, f_dd)
     a = minus3(times3(np.cos(f), y), times3(np.sin(f), x))
-    turning_rate = sum3(times3(f_dd, z), times3(f_d, turning))
-    orthogonal_axes(rows, k + 4, one, two, a, axis(two, 0), times3(f_d, z), turning_rate)
     weight = per * dot3(z, cross3(a, axis(two, 0)))
     arm = cross3(z, d)
     for j in range(3):
