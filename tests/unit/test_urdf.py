@@ -132,6 +132,27 @@ def test_limits_are_told_where_drives_hold_the_joints(
     assert found.startswith(f"arm.urdf:42: <joint shoulder>: {note}")
 
 
+@pytest.mark.parametrize("kind", ["planar", "floating"])
+def test_joints_that_no_drive_can_hold_are_told(tmp_path: Path, kind: str) -> None:
+    """They move freely among joints that are held."""
+    (tmp_path / "arm.urdf").write_text(ARM.replace('"prismatic"', f'"{kind}"'))
+    robot = read_urdf(tmp_path / "arm.urdf")
+    told = f"<joint slide>: no drive holds it: type {kind}, of more than one coordinate"
+    assert told in " ".join(robot_case(robot).notes)
+    assert told not in " ".join(robot_case(robot, joints="free").notes)
+
+
+def test_mirrored_meshes_are_not_inside_out(tmp_path: Path) -> None:
+    """The left side of a robot has the meshes of the right one, with a factor of -1."""
+    out = tmp_path / "arm"
+    assert main(["import", str(ROBOTS / "arm.urdf"), "--out", str(out)]) == 0
+    mesh = f'<mesh filename="{out}/meshes/upper_arm.stl" scale="1 -1 1"/>'
+    (tmp_path / "arm.urdf").write_text(ARM.replace('<box size="0.4 0.06 0.05"/>', mesh))
+    assert main(["import", str(tmp_path / "arm.urdf"), "--out", str(tmp_path / "mirrored")]) == 0
+    box = stl_triangles(tmp_path / "mirrored/meshes/upper_arm.stl")
+    assert volume(box) == pytest.approx(0.4 * 0.06 * 0.05, rel=1e-6)
+
+
 def test_stops_that_leave_no_room(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """A finger that mimics another one in the opposite direction, as grippers of PR2 have it."""
     text = (ROBOTS / "gripper.urdf").read_text()

@@ -382,6 +382,8 @@ class _Writer:
 
     def _joint(self, joint: UrdfJoint) -> None:
         (one, pose), (two, _) = self._heads[joint.parent], self._heads[joint.child]
+        if self._way == "hold" and joint.kind in (Type.FLOATING, Type.PLANAR):
+            self._note(joint, f"no drive holds it: type {joint.kind}, of more than one coordinate")
         if one == two or joint.kind == Type.FLOATING:
             return
         name = self._name("joint", joint.name)

@@ -81,7 +81,8 @@ def fewer(triangles: Array, most: int) -> Array:
 
 def _triangles(shape: Shape, file: Path, packages: Mapping[str, Path]) -> Array:
     if shape.kind == "mesh":
-        return _mesh(mesh_file(shape.file, file, packages)) * np.array(shape.sizes)
+        mesh = _mesh(mesh_file(shape.file, file, packages)) * np.array(shape.sizes)
+        return mesh if np.prod(shape.sizes) > 0.0 else mesh[:, ::-1]  # mirrored: inside out
     if shape.kind == "box":
         points, faces = 0.5 * SIGNS * shape.sizes, halved(BOX)
     elif shape.kind == "cylinder":
