@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...solver.errors import InputError
+from ...solver.errors import InputError, coded
 from ...solver.math.arrays import Array
 from ...solver.package import ModalPackage
 from ...solver.package.body.plausibility import centre_inertia
@@ -18,7 +18,7 @@ from ..fenicsx.team import ALONE, Team
 from ..modes.reference import Algebra, HeldDofs
 from .model import MOST_FACTORISED, Mumps, SolidModel
 from .solid_mesh import FINER, SolidError, edge_length
-from .tolerances import MOST, RICHER
+from .tolerances import COARSE, MOST, RICHER
 
 COMPARED = 6  # frequencies that `accuracy` is about
 ROUNDS = 5  # meshes that `accuracy` may take
@@ -232,6 +232,22 @@ def _errors(
         held = HeldSolid(richer, rigid, table["supports"])
         errors["held_error"] = _relative(results["held_hz"], held.hertz(count))
     return errors
+
+
+def coarse_mesh(results: Mapping[str, Any]) -> list[dict[str, str]]:
+    """Warn of frequencies and static deflections whose errors are large.
+
+    A deflection is too small by about twice the error of the first frequency of the held part.
+    """
+    errors = {name: results.get(f"{name}_error", [0.0]) for name in ("free", "held")}
+    worst = max(abs(e) for own in errors.values() for e in own)
+    static = 2.0 * errors["held"][0] if results.get("cases") else 0.0
+    if max(worst, static) <= COARSE:
+        return []
+    text = f"frequencies are up to {100.0 * worst:.2g} % too high by the mesh"
+    if static > COARSE:
+        text += f", deflections about {100.0 * static:.2g} % too small"
+    return coded("solid-mesh-coarse", f"{text}; use smaller cells: size or accuracy in [mesh]")
 
 
 def _relative(hertz: Array | list[float], richer: Array) -> list[float]:

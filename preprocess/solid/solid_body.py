@@ -25,7 +25,7 @@ from ..modes.reduced import pairs
 from ..provenance import body_provenance
 from .forms import strain
 from .model import MOST_FACTORISED, SolidModel, from_corners
-from .solid_analysis import accurate_model, findings
+from .solid_analysis import accurate_model, coarse_mesh, findings
 from .solid_mesh import CORNERS, derivatives, face_centre
 
 # Stresses at the surface of a solid in modes and load cases, and the work of second-order strains.
@@ -171,6 +171,7 @@ def build_solid_body(spec: Mapping[str, object], team: Team = ALONE) -> ModalPac
             *body_doubts(package.invariants.mass),
         ]
         warnings += [doubt.warning for doubt in not_allowed(table["solid"], doubts)]
+        warnings += coarse_mesh(source)
     shapes = np.moveaxis(package.shapes_B[:, :n, :3], 0, 2)
     stresses = face_stresses(model, table["solid"]["materials"], shapes, cases)
     seconds = {"solid": assembled - start, "modes": time.perf_counter() - assembled}

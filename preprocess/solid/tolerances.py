@@ -8,3 +8,6 @@ GAP = 1e-4
 # degree 3, with RICHER times as many unknowns, estimate the errors of frequencies.
 MOST = 60_000
 RICHER = 3.4  # 27/8 of fine meshes of hexahedra, measured 3.2 to 3.4 of tetrahedra
+
+# Estimated error of a frequency or of a static deflection, as of shells and sections.
+COARSE = 0.05

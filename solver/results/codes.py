@@ -172,6 +172,7 @@ BODY_CODES = _of_files(
     ("measured-shapes-coupled", 0.1),
     "interface-without-rotation",
     ("modes-not-counted", 400_000.0),
+    ("solid-mesh-coarse", 0.05),
 )
 SHELL_CODES = _of_files(
     ("sliver", 0.05),

@@ -17,6 +17,7 @@ LIMITS = {
     "breaks-not-searched": ("solver/integrators/breakpoints.py", "MOST_CELLS"),
     "mesh-coarse-for-modes": ("preprocess/beam/beam_body.py", "LIMIT"),
     "modes-not-counted": ("preprocess/solid/model.py", "MOST_FACTORISED"),
+    "solid-mesh-coarse": ("preprocess/solid/tolerances.py", "COARSE"),
     "static-modes-dependent": ("preprocess/modes/reduced.py", "DEPENDENT"),
     "measured-shape-rigid": ("solver/package/body/measured.py", "RIGID"),
     "measured-modal-mass": ("solver/package/body/measured.py", "SCALED"),

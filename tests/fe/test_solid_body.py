@@ -26,6 +26,7 @@ from plymotion.preprocess.body import build_body
 from plymotion.preprocess.solid.solid_analysis import (
     HeldSolid,
     accurate_model,
+    coarse_mesh,
     findings,
     free_hertz,
 )
@@ -394,3 +395,20 @@ def test_error_estimate_is_near_the_true_error(
     true = package.frequencies / (2.0 * np.pi * exact) - 1.0
     ratio = np.array(estimate) / true
     assert ((ratio > 0.5) & (ratio < 3.0)).all(), ratio
+
+
+@pytest.mark.provokes("solid-mesh-coarse")
+def test_a_coarse_mesh_is_told(tmp_path: Path) -> None:
+    """Of a thin rib; deflections have twice the error of the first frequency of the held part."""
+    file = tmp_path / "rib.step"
+    step_file(file, thin_rib)
+    rib = bar_body(file, reference={"kind": "mean-axis"}, interfaces={})
+    rib["modes"] = [{"kind": "lowest", "count": 2}]
+    rib["analysis"] = {"supports": [], "loads": {}, "error": True}
+    rib["solid"]["mesh"]["size"] = 0.2  # 0.01 clears it
+    (found,) = build_body(rib).provenance["warnings"]
+    assert found["code"] == "solid-mesh-coarse"
+    held = {"free_error": [0.01], "held_error": [0.03, 0.04]}
+    assert not coarse_mesh(held)
+    (found,) = coarse_mesh({**held, "cases": {"end": {}}})
+    assert "up to 4 % too high by the mesh, deflections about 6 % too small" in found["message"]
