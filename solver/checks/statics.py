@@ -79,7 +79,7 @@ def unjudged_hints(run: FinishedRun) -> list[str]:
     """Return remarks on the flexible bodies whose packages lack what a check needs.
 
     Those of modes alone, and of earlier versions, have no compliance: mass stations and modes do
-    not show what the modes miss. Without second-order data, only the stiffening by spin is judged.
+    not show what the modes miss. Without second-order data, spin and forces along it are judged.
     """
     flexible = {n: p for n, p in run.packages.items() if p.n_mode}
     bare = [n for n, p in flexible.items() if p.compliance is None]
@@ -94,8 +94,9 @@ def unjudged_hints(run: FinishedRun) -> list[str]:
         )
     if linear:
         hints.append(
-            f"not judged: whether forces stiffen or buckle {few(linear)} (stiffening-matters, "
-            f"buckling-load), because their packages have no second-order data. {WITH_DATA}"
+            f"not judged: whether moments and forces across stiffen or buckle {few(linear)} "
+            "(stiffening-matters, buckling-load), because their packages have no second-order "
+            f"data. {WITH_DATA}"
         )
     return hints
 

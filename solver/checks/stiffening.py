@@ -4,7 +4,7 @@ A stiffened body whose elastic and geometric stiffness together have lost an eig
 linear body whose geometric stiffness is not small should have been stiffened.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from itertools import pairwise
 
 import numpy as np
@@ -12,10 +12,12 @@ import numpy as np
 from ..dynamics.analysis.rank import free_motions
 from ..dynamics.analysis.recovery import extent, sizes_of_motion, stiffened
 from ..dynamics.elements.floating_frame import stiffening_matrices
+from ..dynamics.evaluation import series
 from ..dynamics.evaluation.accelerations import assemble
 from ..dynamics.evaluation.series import mass_matrices
 from ..dynamics.model.model import Model, modal_matrix
 from ..math.arrays import Array, distinct
+from ..math.rotations import rotation_matrices
 from ..mechanism.build import build
 from ..results.codes import (
     BUCKLING,
@@ -43,6 +45,7 @@ from .tolerances import FREE_MODE, SLIGHT, WHIRLS
 
 LOOKS, WIDEST = 11, 250  # of a run for unstable motions, and of velocity coordinates for one
 BUCKLED = {SPIN.name, BUCKLING.name, BUCKLING_LOAD.name}
+SLICES = 12  # of a body without second-order data
 MOST_FREE = 41  # states of which the mass of free motions is computed, a dense problem
 
 
@@ -58,14 +61,15 @@ def stiffening_findings(run: FinishedRun) -> Iterator[Finding]:
                 )
                 yield NO_STIFFENING_DATA.finding(text, body=name)
     spin = SpinMonitor(run.model, run.built.body_names, stop=False)
+    loading = Loading(run.model)
     for i, name in enumerate(run.built.body_names):
         if i in spin.safe_spin and run.packages[name].second_order is None:
-            yield from _of_spin(run, i, spin.safe_spin[i])
+            found = [*_of_spin(run, i, spin.safe_spin[i])]
+            yield from found or _of_pull(run, i, loading)
     if all(package.second_order is None for package in run.packages.values()):
         return
     again = None if asked else build(run.mechanism, dict(run.packages), stiffening=True)
     tables = again.model if again else run.model
-    loading = Loading(run.model)
     for i, name in enumerate(run.built.body_names):
         if name not in run.packages or run.packages[name].second_order is None:
             continue
@@ -142,15 +146,67 @@ def _of_spin(run: FinishedRun, i: int, frequency: float) -> Iterator[Finding]:
         w = y[:, first : first + 3]
         return np.einsum("ka,ab,kb->k", w, stretch, w) / frequency**2
 
+    return _without_data(run, name, "body's spin", share)
+
+
+def _without_data(
+    run: FinishedRun, name: str, what: str, share: Callable[[Array, Array], Array]
+) -> Iterator[Finding]:
+    """Yield a body without second-order data whose `share` of geometric stiffness is not small.
+
+    Parameters
+    ----------
+    name : of the body
+    what : loads whose geometric stiffness it is
+    share : over the elastic stiffness, at times (k,) and states (k, n)
+    """
     t, values = run.scan(share, run.look.stiffening)
     k = int(np.argmax(values))
     if values[k] > MATTERS.limit:
         text = (
-            f"{name}: at t = {t[k]:.4g} s the geometric stiffness of the body's spin is about "
+            f"{name}: at t = {t[k]:.4g} s the geometric stiffness of the {what} is about "
             f"{values[k]:.2g} of its elastic one (a linear body neglects it: expected below "
             f"{MATTERS.limit:g}), and its package has no second-order data. {WITH_DATA}"
         )
         yield MATTERS.finding(text, body=name, t=float(t[k]), value=float(values[k]))
+
+
+def _of_pull(run: FinishedRun, i: int, loading: Loading) -> Iterator[Finding]:
+    """Yield a body without second-order data whose forces along it stiffen or soften it.
+
+    The body is taken for a string along its longest axis, between slices that have the mean
+    displacements of their nodes. The force in it is that at the places beyond, with weight and
+    inertia there. Moments and forces across are not looked at.
+    """
+    model, package = run.model, run.packages[run.built.body_names[i]]
+    nodes = package.nodes_B
+    axis = np.linalg.svd(nodes - nodes.mean(axis=0), full_matrices=False)[2][0]
+    along = nodes @ axis
+    begin, length = along.min(), np.ptp(along) or 1.0
+    number = np.minimum((along - begin) / length * SLICES, SLICES - 1).astype(int)
+    slices = [np.flatnonzero(number == k) for k in distinct(number)]
+    middle = np.array([along[part].mean() for part in slices])
+    u = np.array([package.shapes_B[:, part, :3].mean(axis=1) for part in slices])
+    between, h = 0.5 * (middle[1:] + middle[:-1]), np.diff(middle)
+    turn = np.diff(u, axis=0)
+    turn = turn - (turn @ axis)[..., None] * axis
+    unit = np.einsum("cia,cja->cij", turn, turn) / h[:, None, None]  # of N = 1 between two slices
+    mass = np.array([package.node_mass[along > s].sum() for s in between])
+    markers = series.loaded_markers(model)
+    own = np.flatnonzero(model.marker_body[markers] == i)
+    beyond = (model.marker_x[markers[own]] @ axis)[:, None] > between
+    a, j = int(model.pos_start[i]) + 3, model.n_pos + int(model.vel_start[i])
+    scale = np.linalg.inv(np.linalg.cholesky(package.stiffness))
+    unit = scale @ unit @ scale.T
+
+    def share(t: Array, y: Array) -> Array:
+        rates, loads = loading(t, y)
+        e = rotation_matrices(y[:, a : a + 4]) @ axis
+        N = np.einsum("kla,ka,lc->kc", loads[:, own, :3], e, beyond)
+        N -= np.einsum("ka,ka,c->kc", rates[:, j : j + 3] - model.gravity_G, e, mass)
+        return np.abs(np.linalg.eigvalsh(np.einsum("kc,cij->kij", N, unit))).max(axis=1)
+
+    return _without_data(run, run.built.body_names[i], "forces along it", share)
 
 
 def _of_stiffened(

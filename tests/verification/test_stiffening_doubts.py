@@ -150,8 +150,26 @@ def test_a_spinning_body_without_second_order_data_is_told_too(axis, share, expe
     run = FinishedRun(mechanism, built, Treatment(), rest)
     found = list(stiffening_findings(run))
     assert [finding.code for finding in found] == expected
-    assert "not judged: whether forces stiffen or buckle column" in unjudged_hints(run)[0]
+    assert (
+        "not judged: whether moments and forces across stiffen or buckle column"
+        in unjudged_hints(run)[0]
+    )
     assert [finding.value for finding in found] == pytest.approx([share] * len(expected), rel=0.01)
+
+
+@pytest.mark.parametrize(("factor", "expected"), [(0.04, []), (-0.06, ["stiffening-matters"])])
+def test_forces_along_a_body_without_second_order_data_are_estimated(factor, expected):
+    package, mechanism = column(factor * EULER)
+    package = replace(package, second_order=None)
+    built = build(mechanism, {"column": package})
+    y = np.zeros((1, built.model.n_pos + built.model.n_vel + 1))
+    y[0, 3] = 1.0
+    tip = next(i for i in package.interfaces if i.name == "tip")
+    y[0, 7 : 7 + package.n_mode] = np.linalg.solve(package.stiffness, factor * EULER * tip.phi_B[0])
+    run = FinishedRun(mechanism, built, Treatment(), Solution(np.zeros(1), y, "finished", ""))
+    found = list(stiffening_findings(run))
+    assert [finding.code for finding in found] == expected
+    assert [finding.value for finding in found] == pytest.approx([0.06] * len(expected), rel=0.03)
 
 
 STATE = """
