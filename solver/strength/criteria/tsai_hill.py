@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from ...math.arrays import Array
 from ...package.common.materials import PlyStrength
 from .contract import Criterion, Verdict
+from .max_stress import exhausted
 
 MODES = ("fibre", "matrix", "through thickness", "23 shear", "13 shear", "12 shear")
 
@@ -47,14 +48,10 @@ def tsai_hill_bound(stress_M: Array, strength: PlyStrength) -> Array:
 
 def _normalised(s: Array, strength: PlyStrength) -> Array:
     """Stresses over their strengths, (6, ...)."""
-    tensile = strength.Xt, strength.Yt, strength.Zt
-    compressive = strength.Xc, strength.Yc, strength.Zc
-    shear = strength.S23, strength.S13, strength.S12
-    used = np.empty((6, *s.shape[:-1]))
-    for k in range(3):
-        used[k] = np.maximum(s[..., k] / tensile[k], -s[..., k] / compressive[k])
-        used[3 + k] = np.abs(s[..., 3 + k]) / shear[k]
-    return used
+    used = exhausted(s, strength)
+    used[:3] = np.maximum(used[0:6:2], used[1:6:2])
+    used[3:6] = used[6:]
+    return used[:6]
 
 
 def _pairs(tension: NDArray[np.bool_], strength: PlyStrength) -> tuple[Array, Array, Array]:
