@@ -14,6 +14,7 @@ from ...dynamics.evaluation.evaluation import evaluate, evaluate_rates, largest_
 from ...dynamics.model.model import PHI, PHI_T, Model
 from ...math.arrays import Array
 from ...math.compiled import inlined, lean
+from . import step_control as codes
 from .alpha_stages import (
     HYSTERESIS,
     MAX_FACTOR,
@@ -39,22 +40,6 @@ from .feedback import scale_feedback
 from .pencil import factorise_feedback, factorise_pencil, fed_back, freeze
 from .residual import element_residual, inertia_residual
 from .step_control import (
-    ARRIVED,
-    END,
-    EVALUATIONS,
-    FACTORISATIONS,
-    GOES_ON,
-    ILL,
-    JACOBIANS,
-    NEWTON,
-    NEXT,
-    NONE,
-    PAUSED,
-    TAKEN,
-    TIME,
-    TOO_ROUGH,
-    TOO_SMALL,
-    TROUBLE,
     Ends,
     Options,
     at_kink,
@@ -104,43 +89,43 @@ def advance_alpha(
         tightest = min(tightest, options.atol[i])
     opening = options.rtol + tightest  # of constraints after a correction
     taken, refused = 0, 0.0  # steps; the last that Newton's iteration refused, or 0
-    while clock[TIME] < clock[END]:
+    while clock[codes.TIME] < clock[codes.END]:
         if taken == most_steps:
-            return PAUSED, filled
-        t = clock[TIME]
+            return codes.PAUSED, filled
+        t = clock[codes.TIME]
         if options.fixed_step == 0.0:
-            clock[NEXT] = min(clock[NEXT], _longest(model, workspace.y, options.rtol))
+            clock[codes.NEXT] = min(clock[codes.NEXT], _longest(model, workspace.y, options.rtol))
         h, t_new, too_small = next_step(options, clock)
         if too_small:
-            return TOO_SMALL, filled
+            return codes.TOO_SMALL, filled
 
         if at_kink(options, clock):
             _forget_rates(model, workspace)
-        scheme = usual if clock[TAKEN] > 0.0 or options.fixed_step > 0.0 else first
+        scheme = usual if clock[codes.TAKEN] > 0.0 or options.fixed_step > 0.0 else first
         predict(model, scheme, workspace, h)
         _solve_end(model, options, scheme, workspace, t_new, h, refused, opening)
         factor = _estimate_error(model, options, scheme, workspace, h)
         power, factor = _estimate_work(model, options, workspace, t_new, h, factor)
-        refused = h if counts[TROUBLE] == NEWTON else 0.0
+        refused = h if counts[codes.TROUBLE] == codes.NEWTON else 0.0
 
-        if counts[TROUBLE] != NONE:
+        if counts[codes.TROUBLE] != codes.NONE:
             judge(clock)
-            rough = counts[TROUBLE] == TOO_ROUGH
+            rough = counts[codes.TROUBLE] == codes.TOO_ROUGH
             factor = max(MIN_FACTOR, min(MAX_FACTOR, factor)) if rough else 0.25
             code = refuse(options, clock, counts, h, factor)
-            if code != GOES_ON:
+            if code != codes.GOES_ON:
                 return code, filled
             continue
 
         accept(model, scheme, workspace, h, power)
         factor = max(MIN_FACTOR, min(MAX_FACTOR, factor))
-        clock[NEXT] = h if 1.0 <= factor < HYSTERESIS else h * factor
+        clock[codes.NEXT] = h if 1.0 <= factor < HYSTERESIS else h * factor
         count_step(clock, counts, h, t_new)
         judge(clock)
         keep_end(ends, taken, t_new, workspace.y)
         taken += 1
         filled = _fill_rows(model, scheme, workspace, t, h, times, rows, filled)
-    return ARRIVED, filled
+    return codes.ARRIVED, filled
 
 
 @inlined
@@ -159,7 +144,7 @@ def _longest(model: Model, y: Array, rtol: float) -> float:
 @inlined
 def _forget_rates(model: Model, workspace: AlphaWorkspace) -> None:
     """Forget what runs behind and what is extrapolated: behind a kink it is of other laws."""
-    workspace.clock[TAKEN] = 0.0
+    workspace.clock[codes.TAKEN] = 0.0
     for i in range(model.n_vel):
         workspace.a[i], workspace.v_dd[i] = workspace.rate[model.n_pos + i], 0.0
 
@@ -184,7 +169,7 @@ def _solve_end(
     opening : largest velocity of constraints that a last correction may leave
     """
     counts, work, stage = workspace.counts, workspace.work, workspace.stage
-    counts[TROUBLE] = NEWTON
+    counts[codes.TROUBLE] = codes.NEWTON
     size_last, lawful = 0.0, False
     for k in range(model.quantities.along.shape[0]):
         lawful = lawful or model.quantities.along[k] >= 0
@@ -193,7 +178,7 @@ def _solve_end(
         for k in range(model.n_constraint):
             work.multipliers[k] = workspace.stage_multipliers[k]
         evaluate(model, work, t_new, stage)
-        counts[EVALUATIONS] += 1
+        counts[codes.EVALUATIONS] += 1
         if iteration == 1:
             _make_matrix(model, scheme, workspace, t_new, h, refused)
             set_weights(options, workspace.y, stage, workspace.weight)
@@ -202,7 +187,7 @@ def _solve_end(
         size = correction_size(model, options, workspace)
         if not size < 1e300:
             if iteration == 1:  # later it is the iteration that runs away
-                counts[TROUBLE] = ILL
+                counts[codes.TROUBLE] = codes.ILL
             return
         rate = size / size_last if iteration > 1 and size_last > 0.0 else 0.0
         # the second correction may exceed the first: a prediction can be too good for its J
@@ -216,7 +201,7 @@ def _solve_end(
             # rows that no correction closes contradict each other
             inflate(model, workspace.step, 0, workspace.real.x)
             if not largest_left(model, work, work.J, workspace.real.x) > opening:
-                counts[TROUBLE] = NONE
+                counts[codes.TROUBLE] = codes.NONE
             return
         size_last = size
 
@@ -240,8 +225,8 @@ def _make_matrix(
     if model.quantities.feedback.shape[0] > 0:  # its rows are those of the pencil, times h^2
         scale_feedback(frozen.feedback, h * h)
         factorise_feedback(model, frozen, real, scheme.to_v / h)
-    counts[FACTORISATIONS] += 1
-    counts[JACOBIANS] += 1
+    counts[codes.FACTORISATIONS] += 1
+    counts[codes.JACOBIANS] += 1
 
 
 @inlined
@@ -318,21 +303,21 @@ def _estimate_error(
 ) -> float:
     """Return the factor of the next step by the error; TROUBLE tells if that is too large."""
     counts, factor = workspace.counts, 1.0
-    if counts[TROUBLE] != NONE:
+    if counts[codes.TROUBLE] != codes.NONE:
         return factor
     place(model, workspace)
-    if not workspace.clock[TAKEN] > 0.0:
-        middle_rates(model, workspace, workspace.clock[TIME], h)
+    if not workspace.clock[codes.TAKEN] > 0.0:
+        middle_rates(model, workspace, workspace.clock[codes.TIME], h)
     if not options.fixed_step > 0.0:
         error = local_error(model, options, scheme, workspace, h)
         if not error < 1e300:
-            counts[TROUBLE] = ILL
+            counts[codes.TROUBLE] = codes.ILL
         else:
             factor = SAFETY * max(error, 1e-6) ** (-1.0 / 3.0)
             if error > 1.0:
-                counts[TROUBLE] = TOO_ROUGH
+                counts[codes.TROUBLE] = codes.TOO_ROUGH
     if not finite(workspace.stage):
-        counts[TROUBLE] = ILL
+        counts[codes.TROUBLE] = codes.ILL
     return factor
 
 
@@ -347,7 +332,7 @@ def _estimate_work(
 ) -> tuple[float, float]:
     """Return the power at the end of the step [W], and the factor of the next by its work too."""
     counts = workspace.counts
-    if counts[TROUBLE] != NONE:
+    if counts[codes.TROUBLE] != codes.NONE:
         return 0.0, factor
     power = _power(model, workspace, t_new)
     if not options.fixed_step > 0.0:
@@ -356,7 +341,7 @@ def _estimate_work(
         error *= 4.0 * options.rtol ** (1.0 / 3.0)  # the tolerance of a run is this, to the cube
         factor = min(factor, SAFETY * max(error, 1e-6) ** (-1.0 / 3.0))
         if error > 1.0:
-            counts[TROUBLE] = TOO_ROUGH
+            counts[codes.TROUBLE] = codes.TOO_ROUGH
     return power, factor
 
 
@@ -373,7 +358,7 @@ def _power(model: Model, workspace: AlphaWorkspace, t_new: float) -> float:
         return float(work.power[0])
     evaluate(model, work, t_new, workspace.stage)
     accelerate(model, work, t_new, workspace.stage, False)
-    workspace.counts[EVALUATIONS] += 1
+    workspace.counts[codes.EVALUATIONS] += 1
     return driving_power(model, work)
 
 
@@ -389,7 +374,7 @@ def _fill_rows(
     filled: int,
 ) -> int:
     """Fill rows of times within the step of h from t; return how many rows are filled."""
-    t_new = workspace.clock[TIME]
+    t_new = workspace.clock[codes.TIME]
     while filled < times.shape[0] and times[filled] <= t_new:
         row = rows[filled]
         interpolate(workspace, h, (times[filled] - t) / h, row)

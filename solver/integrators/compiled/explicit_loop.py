@@ -10,24 +10,8 @@ from ...dynamics.model.model import Model, Workspace
 from ...math.arrays import Array, IntArray, zeros_of
 from ...math.compiled import inlined, lean, structure
 from ..generic.dormand_prince import Tableau
+from . import step_control as codes
 from .step_control import (
-    ARRIVED,
-    END,
-    ERROR_LAST,
-    EVALUATIONS,
-    GOES_ON,
-    ILL,
-    N_CLOCK,
-    N_COUNT,
-    NEXT,
-    NONE,
-    OFF,
-    PAUSED,
-    STEPS,
-    TIME,
-    TOO_ROUGH,
-    TOO_SMALL,
-    TROUBLE,
     Ends,
     Options,
     at_instant,
@@ -88,10 +72,14 @@ def new_explicit_workspace(
     n, d = y.shape[0], tableau.D.shape[0]
     powers = d if tableau.first_same_as_last else d + 3
     memory = {"n": n, "stages": tableau.D.shape[1], "powers": powers}
-    memory |= {"n_vel": sizes[0], "n_pos": sizes[1], "clock": N_CLOCK, "count": N_COUNT}
+    memory |= {"n_vel": sizes[0], "n_pos": sizes[1], "clock": codes.N_CLOCK, "count": codes.N_COUNT}
     given = {"y": y.copy(), "f": rate.copy(), "y_old": y.copy()}
     workspace = zeros_of(ExplicitWorkspace, memory, **given)
-    workspace.clock[TIME], workspace.clock[ERROR_LAST], workspace.clock[LARGEST] = t, 1e-4, 1e300
+    workspace.clock[codes.TIME], workspace.clock[codes.ERROR_LAST], workspace.clock[LARGEST] = (
+        t,
+        1e-4,
+        1e300,
+    )
     return workspace
 
 
@@ -174,30 +162,30 @@ def attempt_step(
     """
     counts, K, y_new, s = workspace.counts, workspace.K, workspace.y_new, tableau.B.shape[0]
     copy(workspace.f, K[0])
-    fill_stages(model, work, tableau, workspace, workspace.clock[TIME], h)
+    fill_stages(model, work, tableau, workspace, workspace.clock[codes.TIME], h)
     step_to(workspace.y, tableau.B, s, h, K, y_new)
-    counts[EVALUATIONS] += s - 1
+    counts[codes.EVALUATIONS] += s - 1
     if tableau.first_same_as_last:
         derivative_into(model, work, t_new, y_new, K[s])
-        counts[EVALUATIONS] += 1
+        counts[codes.EVALUATIONS] += 1
     error, factor = local_error(options, tableau, workspace, h), 0.25
-    counts[TROUBLE] = NONE
+    counts[codes.TROUBLE] = codes.NONE
     if not error < np.inf:
-        counts[TROUBLE] = ILL
+        counts[codes.TROUBLE] = codes.ILL
     elif error > 1.0 and not options.fixed_step > 0.0:
-        counts[TROUBLE] = TOO_ROUGH
+        counts[codes.TROUBLE] = codes.TOO_ROUGH
         factor = max(tableau.min_factor, SAFETY * error ** (-1.0 / tableau.exponent))
         workspace.clock[LARGEST] = CAUTION * h
     elif options.closes:
         reached = project(model, work, t_new, y_new, workspace.step, workspace.before)
         if not (reached and finite(y_new)):
-            counts[TROUBLE] = OFF
-    if counts[TROUBLE] == NONE and (options.closes or not tableau.first_same_as_last):
+            counts[codes.TROUBLE] = codes.OFF
+    if counts[codes.TROUBLE] == codes.NONE and (options.closes or not tableau.first_same_as_last):
         derivative_at(model, work, t_new, y_new, K[s], options.closes)
-        counts[EVALUATIONS] += 1
+        counts[codes.EVALUATIONS] += 1
         if not finite(K[s]):
-            counts[TROUBLE] = ILL
-    if counts[TROUBLE] != NONE:
+            counts[codes.TROUBLE] = codes.ILL
+    if counts[codes.TROUBLE] != codes.NONE:
         workspace.clock[REFUSED_LAST] = 1.0
     return error, factor
 
@@ -234,17 +222,17 @@ def accept_step(
     """
     clock, counts, error = workspace.clock, workspace.counts, max(error, 1e-8)
     proportional = 1.0 / tableau.exponent - 0.75 * tableau.integral
-    factor = SAFETY * error**-proportional * clock[ERROR_LAST] ** tableau.integral
+    factor = SAFETY * error**-proportional * clock[codes.ERROR_LAST] ** tableau.integral
     largest = 1.0 if clock[REFUSED_LAST] > 0.0 else tableau.max_factor
-    clock[NEXT] = min(h * min(largest, max(tableau.min_factor, factor)), clock[LARGEST])
+    clock[codes.NEXT] = min(h * min(largest, max(tableau.min_factor, factor)), clock[LARGEST])
     clock[LARGEST] *= RELAX if error > FAR_BELOW else RELAX_FAR
-    clock[ERROR_LAST], clock[REFUSED_LAST] = max(error, 1e-4), 0.0
-    if clock[SUSPECT] > 0.0 or counts[STEPS] % TEST_EVERY == 0:
+    clock[codes.ERROR_LAST], clock[REFUSED_LAST] = max(error, 1e-4), 0.0
+    if clock[SUSPECT] > 0.0 or counts[codes.STEPS] % TEST_EVERY == 0:
         _test_stiffness(options, tableau, workspace, h)
     copy(workspace.y, workspace.y_old)
     copy(workspace.y_new, workspace.y)
     copy(workspace.K[tableau.B.shape[0]], workspace.f)
-    clock[TIME_OLD] = clock[TIME]
+    clock[TIME_OLD] = clock[codes.TIME]
     count_step(clock, counts, h, t_new)
 
 
@@ -278,17 +266,17 @@ def advance_explicit(
     """
     clock, counts, y = workspace.clock, workspace.counts, workspace.y
     taken = 0
-    while clock[TIME] < clock[END]:
+    while clock[codes.TIME] < clock[codes.END]:
         if taken == most_steps:
-            return PAUSED, filled
-        t = clock[TIME]
+            return codes.PAUSED, filled
+        t = clock[codes.TIME]
         h, t_new, too_small = next_step(options, clock)
         if too_small:
-            return TOO_SMALL, filled
+            return codes.TOO_SMALL, filled
         error, factor = attempt_step(model, work, options, tableau, workspace, h, t_new)
-        if counts[TROUBLE] != NONE:
+        if counts[codes.TROUBLE] != codes.NONE:
             code = refuse(options, clock, counts, h, factor)
-            if code != GOES_ON:
+            if code != codes.GOES_ON:
                 return code, filled
             continue
         accept_step(options, tableau, workspace, error, h, t_new)
@@ -307,10 +295,10 @@ def advance_explicit(
             filled += 1
         if at_instant(options, clock):
             sample_into(model, work, t_new, y, workspace.f, not known)
-            counts[EVALUATIONS] += 1
+            counts[codes.EVALUATIONS] += 1
         keep_end(ends, taken, t_new, y)
         taken += 1
-    return ARRIVED, filled
+    return codes.ARRIVED, filled
 
 
 @lean
@@ -366,7 +354,7 @@ def _test_stiffness(
         clock[SUSPECT] += 1.0
         clock[CLEAR] = 0.0
         if clock[SUSPECT] == STIFF_TESTS and clock[STIFF_STEP] == 0.0:
-            clock[STIFF_TIME], clock[STIFF_STEP] = clock[TIME], h
+            clock[STIFF_TIME], clock[STIFF_STEP] = clock[codes.TIME], h
     elif clock[SUSPECT] > 0.0:
         clock[CLEAR] += 1.0
         if clock[CLEAR] == 6.0:
@@ -387,11 +375,11 @@ def fill_polynomial(
     workspace : memory of the run
     """
     K, clock, point, s = workspace.K, workspace.clock, workspace.point, tableau.B.shape[0] + 1
-    t, h = clock[TIME_OLD], clock[TIME] - clock[TIME_OLD]
+    t, h = clock[TIME_OLD], clock[codes.TIME] - clock[TIME_OLD]
     for e in range(tableau.C_extra.shape[0]):
         step_to(workspace.y_old, tableau.A_extra[e], s + e, h, K, point)
         derivative_into(model, work, t + tableau.C_extra[e] * h, point, K[s + e])
-    workspace.counts[EVALUATIONS] += tableau.C_extra.shape[0]
+    workspace.counts[codes.EVALUATIONS] += tableau.C_extra.shape[0]
     set_polynomial(tableau, workspace, h)
 
 

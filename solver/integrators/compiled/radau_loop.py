@@ -9,6 +9,7 @@ control of steps.
 from ...dynamics.model.model import PHI_T, Model
 from ...math.arrays import Array
 from ...math.compiled import inlined, lean
+from . import step_control as codes
 from .closing import close
 from .cutoff import energy, filter_error, start_filter
 from .pencil import freeze, solve_pencil
@@ -34,31 +35,6 @@ from .radau_stages import (
 )
 from .residual import residual
 from .step_control import (
-    ARRIVED,
-    BEGUN,
-    CUTOFF,
-    END,
-    ERROR_LAST,
-    EVALUATIONS,
-    FACTORISATIONS,
-    GOES_ON,
-    GROWTH,
-    ILL,
-    JACOBIANS,
-    LIMIT,
-    NEWTON,
-    NEXT,
-    NONE,
-    OFF,
-    PAUSED,
-    RATE,
-    ROUGH,
-    STEPS,
-    TAKEN,
-    TIME,
-    TOO_ROUGH,
-    TOO_SMALL,
-    TROUBLE,
     Ends,
     Options,
     at_instant,
@@ -110,39 +86,41 @@ def advance(
     ends : of the steps taken, as many as it has room for
     """
     clock, counts = workspace.clock, workspace.counts
-    fixed, filtered = options.fixed_step > 0.0, clock[CUTOFF] > 0.0
+    fixed, filtered = options.fixed_step > 0.0, clock[codes.CUTOFF] > 0.0
     taken, failures = 0, 0  # steps; attempts in a row that Newton's iteration refused,
     refused = 0.0  # and the step of the last attempt if it did, else 0
     stored, ringing = 0.0, False  # energy; whether an error above the cutoff was left out
     if filtered:
-        stored = energy(model, workspace.work, clock[TIME], workspace.y, workspace.cutoff.parts)
-    while clock[TIME] < clock[END]:
+        stored = energy(
+            model, workspace.work, clock[codes.TIME], workspace.y, workspace.cutoff.parts
+        )
+    while clock[codes.TIME] < clock[codes.END]:
         if taken == most_steps:
-            return PAUSED, filled
-        t = clock[TIME]
+            return codes.PAUSED, filled
+        t = clock[codes.TIME]
         h, t_new, too_small = next_step(options, clock)
         if too_small:
-            return TOO_SMALL, filled
+            return codes.TOO_SMALL, filled
 
         set_weights(options, workspace.y, workspace.y, workspace.weight)
         predict(model, workspace, h)
         iterations = _solve_stages(model, options, workspace, t, h, refused)
         refused, error = 0.0, LEAST_ERROR
-        if counts[TROUBLE] == NONE:
+        if counts[codes.TROUBLE] == codes.NONE:
             complete(options, workspace, h)
             if not fixed:
                 error, ringing = _estimate_error(model, options, workspace, t, h)
-        if counts[TROUBLE] == NONE:
+        if counts[codes.TROUBLE] == codes.NONE:
             _close_end(model, options, workspace, h, t_new)
         factor = _step_factor(error, iterations)
 
-        if counts[TROUBLE] != NONE:
+        if counts[codes.TROUBLE] != codes.NONE:
             judge(clock)
-            if counts[TROUBLE] == NEWTON:
+            if counts[codes.TROUBLE] == codes.NEWTON:
                 failures, refused = failures + 1, h
             factor = _shorter(workspace, h, factor, failures)
             code = refuse(options, clock, counts, h, factor)
-            if code != GOES_ON:
+            if code != codes.GOES_ON:
                 return code, filled
             continue
 
@@ -157,7 +135,7 @@ def advance(
         filled = _fill_rows(model, options, workspace, t, h, times, rows, filled)
         if at_instant(options, clock):
             restart_radau(model, workspace, t_new, True)
-            counts[EVALUATIONS] += 1
+            counts[codes.EVALUATIONS] += 1
         keep_end(ends, taken, t_new, workspace.y)
         if taken < ends.Z.shape[0]:
             for k in range(3):
@@ -166,7 +144,7 @@ def advance(
                 for i in range(ends.multipliers.shape[2]):
                     ends.multipliers[taken, k, i] = workspace.multipliers[k, i]
         taken, failures = taken + 1, 0
-    return ARRIVED, filled
+    return codes.ARRIVED, filled
 
 
 @inlined
@@ -192,17 +170,17 @@ def _solve_stages(
     most = 2 * MAX_ITERATIONS if fixed else MAX_ITERATIONS
     tolerance = max(2e-15 / options.rtol, min(0.01, options.rtol**0.5))
     # a rate of convergence known from the last step lets one iteration do
-    rate, size_last, work_last = max(clock[RATE], 1e-15) ** 0.8, 0.0, INFINITE
+    rate, size_last, work_last = max(clock[codes.RATE], 1e-15) ** 0.8, 0.0, INFINITE
     # Without a prediction the first correction is nearly all of the motion. The second one over it
     # then says nothing of a steep law, such as friction on a body that begins to slide. Fixed steps
     # have no error control.
-    unpredicted = not fixed and counts[STEPS] == clock[BEGUN]
-    counts[TROUBLE], clock[RATE] = NEWTON, 1.0
+    unpredicted = not fixed and counts[codes.STEPS] == clock[codes.BEGUN]
+    counts[codes.TROUBLE], clock[codes.RATE] = codes.NEWTON, 1.0
     for iteration in range(1, most + 1):
         _stage_residuals(model, workspace, t, h, iteration == 1, refused)
         if iteration == 1:
-            counts[FACTORISATIONS] += factorise_stages(model, workspace, h)
-            counts[JACOBIANS] += 1
+            counts[codes.FACTORISATIONS] += factorise_stages(model, workspace, h)
+            counts[codes.JACOBIANS] += 1
         yield_rows(workspace)
         transform_residuals(model, workspace)
         solve_pencil(model, frozen, workspace.real, MU / h)
@@ -210,7 +188,7 @@ def _solve_stages(
         size, work = correct(model, options, workspace, h)
         if not size < INFINITE:
             if iteration == 1:  # later it is the iteration that runs away
-                counts[TROUBLE] = ILL
+                counts[codes.TROUBLE] = codes.ILL
             return iteration
         # rounding converges at no rate
         stale = iteration > 1 and size >= size_last and size < ROUNDING * tolerance
@@ -220,16 +198,20 @@ def _solve_stages(
             to_go = most - iteration
             # The first correction of a good prediction may be smaller than the second, which
             # answers the change of multipliers: two are not enough to see a divergence.
-            judged = not fixed and counts[TROUBLE] != NONE and (iteration > 2 or rate > DIVERGES)
+            judged = (
+                not fixed
+                and counts[codes.TROUBLE] != codes.NONE
+                and (iteration > 2 or rate > DIVERGES)
+            )
             if judged and (rate >= 1.0 or rate**to_go / (1.0 - rate) * size > tolerance):
                 return iteration
         known = not unpredicted or iteration != 2 or size < tolerance
         if converged or (known and rate < 1.0 and rate / (1.0 - rate) * size < tolerance):
-            counts[TROUBLE], clock[RATE] = NONE, rate
+            counts[codes.TROUBLE], clock[codes.RATE] = codes.NONE, rate
         # For a drive at constant speed the error of the multipliers has the same sign in all steps:
         # errors of its work add up. Closing the joints corrects the motion, not the work.
-        summed = work * workspace.weight[workspace.y.shape[0] - 1] * (1.0 + counts[STEPS])
-        if counts[TROUBLE] == NONE and not 1.0 < summed < work_last:
+        summed = work * workspace.weight[workspace.y.shape[0] - 1] * (1.0 + counts[codes.STEPS])
+        if counts[codes.TROUBLE] == codes.NONE and not 1.0 < summed < work_last:
             return iteration
         size_last, work_last = size, summed
     return most
@@ -252,7 +234,7 @@ def _stage_residuals(
             freeze(model, work, t + C[k] * h, stage, frozen)
             limit = (MU / refused) ** 2 if refused > 0.0 else 0.0
             update_tension(model, workspace, t + C[k] * h, multipliers, limit)
-    workspace.counts[EVALUATIONS] += 3
+    workspace.counts[codes.EVALUATIONS] += 3
 
 
 @inlined
@@ -265,7 +247,7 @@ def _estimate_error(
     error above one is filtered once more, because the first one of a stiff transient is too large.
     """
     counts, frozen, real = workspace.counts, workspace.frozen, workspace.real
-    n, w_c, error, ringing = workspace.stage.shape[0], workspace.clock[CUTOFF], 0.0, False
+    n, w_c, error, ringing = workspace.stage.shape[0], workspace.clock[codes.CUTOFF], 0.0, False
     for again in range(2):
         embedded_error(workspace, h)
         if again == 0:
@@ -288,9 +270,9 @@ def _estimate_error(
                 error = norm(options, real.delta, workspace.weight)
             break
     if not error < INFINITE:
-        counts[TROUBLE] = ILL
+        counts[codes.TROUBLE] = codes.ILL
     elif error > 1.0:
-        counts[TROUBLE] = TOO_ROUGH
+        counts[codes.TROUBLE] = codes.TOO_ROUGH
     return max(error, LEAST_ERROR), ringing
 
 
@@ -302,7 +284,7 @@ def _filtered_residual(model: Model, workspace: RadauWorkspace, t: float) -> Non
         stage[i] = workspace.y[i] + real.delta[i]
         workspace.rate[i] = -workspace.rate[i]
     residual(model, workspace, t, workspace.multipliers_old[2], real.load, real.gamma, real.r)
-    workspace.counts[EVALUATIONS] += 1
+    workspace.counts[codes.EVALUATIONS] += 1
     for i in range(stage.shape[0]):
         stage[i] = workspace.y[i] + workspace.Z[2, i]
 
@@ -316,9 +298,9 @@ def _close_end(
     if options.closes:
         closed = close(model, workspace, MU / h, t_new, stage, counts)
     if not closed:
-        counts[TROUBLE] = OFF
+        counts[codes.TROUBLE] = codes.OFF
     elif not finite(stage):
-        counts[TROUBLE] = ILL
+        counts[codes.TROUBLE] = codes.ILL
 
 
 @inlined
@@ -337,19 +319,19 @@ def _shorter(workspace: RadauWorkspace, h: float, factor: float, failures: int) 
     factor : by the error
     failures : attempts in a row that Newton's iteration refused
     """
-    clock, trouble, blamed = workspace.clock, workspace.counts[TROUBLE], workspace.blamed
-    if trouble == NEWTON:
+    clock, trouble, blamed = workspace.clock, workspace.counts[codes.TROUBLE], workspace.blamed
+    if trouble == codes.NEWTON:
         factor = SHORTER if failures == 1 else MUCH_SHORTER
-        clock[LIMIT], clock[GROWTH] = h * factor / CAUTION, 1.0
+        clock[codes.LIMIT], clock[codes.GROWTH] = h * factor / CAUTION, 1.0
         # `stage` is the last correction
         blamed[largest_component(workspace.stage, workspace.weight)] += 1
-    elif trouble == OFF:
+    elif trouble == codes.OFF:
         factor = 0.25
     else:
         factor = max(MIN_FACTOR, min(1.0, factor))
-        if trouble == TOO_ROUGH:
-            clock[ROUGH] = h
-            rough = workspace.cutoff.error if clock[CUTOFF] != 0.0 else workspace.real.delta
+        if trouble == codes.TOO_ROUGH:
+            clock[codes.ROUGH] = h
+            rough = workspace.cutoff.error if clock[codes.CUTOFF] != 0.0 else workspace.real.delta
             blamed[largest_component(rough, workspace.weight)] += 1
     return factor
 
@@ -372,14 +354,14 @@ def _book_damping(
 @inlined
 def _choose_step(clock: Array, h: float, factor: float, error: float) -> None:
     """Choose the step after an accepted one of h, within the limits that refusals have left."""
-    if clock[TAKEN] > 0.0:  # Gustafsson: errors that grow ask for more care
-        factor *= min(1.0, h / clock[TAKEN] * (clock[ERROR_LAST] / error) ** 0.25)
-    limit = CAUTION * min(clock[LIMIT], clock[ROUGH])
-    clock[NEXT] = min(h * max(MIN_FACTOR, min(MAX_FACTOR, factor)), limit)
-    clock[LIMIT] *= clock[GROWTH]
-    clock[GROWTH] = min(FASTEST, clock[GROWTH] + FASTER)
-    clock[ROUGH] *= RELAX_ROUGH if error > OVER else RELAX_OVER
-    clock[ERROR_LAST] = error
+    if clock[codes.TAKEN] > 0.0:  # Gustafsson: errors that grow ask for more care
+        factor *= min(1.0, h / clock[codes.TAKEN] * (clock[codes.ERROR_LAST] / error) ** 0.25)
+    limit = CAUTION * min(clock[codes.LIMIT], clock[codes.ROUGH])
+    clock[codes.NEXT] = min(h * max(MIN_FACTOR, min(MAX_FACTOR, factor)), limit)
+    clock[codes.LIMIT] *= clock[codes.GROWTH]
+    clock[codes.GROWTH] = min(FASTEST, clock[codes.GROWTH] + FASTER)
+    clock[codes.ROUGH] *= RELAX_ROUGH if error > OVER else RELAX_OVER
+    clock[codes.ERROR_LAST] = error
 
 
 @inlined
@@ -394,7 +376,7 @@ def _fill_rows(
     filled: int,
 ) -> int:
     """Fill rows of times within the step of h from t; return how many rows are filled."""
-    t_new = workspace.clock[TIME]
+    t_new = workspace.clock[codes.TIME]
     while filled < times.shape[0] and times[filled] <= t_new:
         row = rows[filled]
         interpolate(workspace, (times[filled] - t) / h, row)
