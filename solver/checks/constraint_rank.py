@@ -14,7 +14,8 @@ from ..dynamics.analysis.rank import (
     scaled_jacobian_into,
     smallest_at,
 )
-from ..dynamics.evaluation.evaluation import energies_into, evaluate
+from ..dynamics.evaluation.energies import energies_into
+from ..dynamics.evaluation.evaluation import evaluate
 from ..dynamics.model.model import Model, Workspace, new_workspace
 from ..integrators.generic.base import Dense, Integrator
 from ..math.arrays import Array, IntArray

@@ -8,7 +8,7 @@ import numpy as np
 from ..dynamics.analysis.recovery import scales, shape_sizes
 from ..dynamics.elements.constraints.treatment import Treatment
 from ..dynamics.evaluation.accelerations import by_blocks
-from ..dynamics.evaluation.evaluation import Called
+from ..dynamics.evaluation.instants import Called
 from ..dynamics.model.model import Model, state_size
 from ..errors import InputError
 from ..math.arrays import Array, distinct

@@ -14,14 +14,8 @@ from ..dynamics.analysis.projection import projected
 from ..dynamics.elements.constraints.treatment import Treatment
 from ..dynamics.evaluation.accelerations import by_blocks, dense_derivative_into, derivative_into
 from ..dynamics.evaluation.elimination import is_tree
-from ..dynamics.evaluation.evaluation import (
-    Called,
-    Instants,
-    beyond,
-    first_crossing,
-    reads_reactions,
-    sampled,
-)
+from ..dynamics.evaluation.instants import Called, Instants, beyond, first_crossing, sampled
+from ..dynamics.evaluation.reactions import reads_reactions
 from ..dynamics.model.model import Model, spare_workspace, state_size
 from ..dynamics.tolerances import ONE_INSTANT
 from ..math.arrays import Array, distinct

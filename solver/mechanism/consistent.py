@@ -16,7 +16,7 @@ from ..dynamics.elements.constraints.treatment import row_masses, scaled_jacobia
 from ..dynamics.elements.joints.table import DRIVES, NAMES, ROWS
 from ..dynamics.elements.marker import marker_motion
 from ..dynamics.evaluation.accelerations import Equations, accelerations, assemble
-from ..dynamics.evaluation.evaluation import started
+from ..dynamics.evaluation.instants import started
 from ..dynamics.evaluation.laws import law_at
 from ..dynamics.evaluation.series import balance, driven_speeds
 from ..dynamics.model.coordinates import moved

@@ -20,7 +20,7 @@ from ..dynamics.analysis.rank import FreeMotions, free_motions
 from ..dynamics.analysis.recovery import extent, sizes_of_motion
 from ..dynamics.elements.joints.table import DRIVES, JOINTS, NAMES
 from ..dynamics.evaluation.accelerations import Equations, assemble
-from ..dynamics.evaluation.evaluation import started
+from ..dynamics.evaluation.instants import started
 from ..dynamics.evaluation.laws import law_values, with_laws
 from ..dynamics.model.coordinates import Spin, moved, spin_accelerations, spin_velocities, turned
 from ..dynamics.model.model import GROUND, Model

@@ -11,7 +11,7 @@ from ..dynamics.elements.forces.table import unit_of_law
 from ..dynamics.elements.joints.contract import Displacement
 from ..dynamics.elements.joints.table import JOINTS
 from ..dynamics.evaluation.accelerations import assemble
-from ..dynamics.evaluation.evaluation import started
+from ..dynamics.evaluation.instants import started
 from ..dynamics.evaluation.laws import law_values
 from ..dynamics.model.model import Model
 from ..errors import InputError

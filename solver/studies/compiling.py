@@ -19,8 +19,9 @@ from ..dynamics.evaluation.accelerations import (
     energies,
     masses_and_jacobians,
 )
-from ..dynamics.evaluation.evaluation import measure_into, reads_reactions
+from ..dynamics.evaluation.evaluation import measure_into
 from ..dynamics.evaluation.laws import law_at
+from ..dynamics.evaluation.reactions import reads_reactions
 from ..dynamics.evaluation.variations import along_directions, residuals
 from ..dynamics.model.coordinates import move_rows, moved, position_rates
 from ..dynamics.model.model import Model, spare_workspace, state_size

@@ -6,7 +6,8 @@ from ...math.arrays import Array, IntArray
 from ...math.compiled import inlined, lean, rebound
 from ..elements.floating_frame import flatten, largest
 from ..evaluation.accelerations import by_blocks, dense, factorise_mass, solve_dense, solve_mass
-from ..evaluation.evaluation import evaluate, evaluate_rates, momenta_into
+from ..evaluation.energies import momenta_into
+from ..evaluation.evaluation import evaluate, evaluate_rates
 from ..model.coordinates import move
 from ..model.model import PHI, Model, Workspace, spare_workspace
 from ..tolerances import CLOSED, SAME_VELOCITIES, SPARED, STAYS_CLOSED_TO

@@ -11,7 +11,8 @@ from ...math.rotations import rotation_matrices
 from ..elements.forces.table import FIRST_LOAD
 from ..elements.joints.table import position_rows
 from ..evaluation import series
-from ..evaluation.evaluation import evaluate, first_moments, stored_energies
+from ..evaluation.energies import stored_energies
+from ..evaluation.evaluation import evaluate, first_moments
 from ..evaluation.series import along_solution, driven_speeds, marker_places
 from ..model.model import GROUND, Model, modal_matrix, spare_workspace
 from ..model.motion import ACCELERATION, AXES, PLACE, SPIN, SPIN_RATE, VELOCITY

@@ -20,16 +20,10 @@ from ..model.coordinates import rates_into
 from ..model.model import GAMMA, PHI, PHI_T, Model, Workspace, spare_workspace, state_size
 from ..tolerances import REGULAR
 from .elimination import factorise, rows_depend, solve
-from .evaluation import (
-    MOST_PASSES,
-    auxiliary_rates_into,
-    evaluate,
-    evaluate_rates,
-    is_sampled,
-    move_forces,
-    reads_reactions,
-    stored_energies,
-)
+from .energies import stored_energies
+from .evaluation import MOST_PASSES, auxiliary_rates_into, evaluate, evaluate_rates, move_forces
+from .laws import is_sampled
+from .reactions import reads_reactions
 
 
 @inlined

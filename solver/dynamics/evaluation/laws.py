@@ -19,7 +19,7 @@ from ..model.model import (
     Quantities,
 )
 from ..model.motion import acceleration, axis, place, spin, spin_rate, velocity
-from ..tolerances import LAST_INSTANT, NO_DIRECTION
+from ..tolerances import LAST_INSTANT, NO_DIRECTION, ONE_SAMPLE
 
 
 @lean
@@ -341,3 +341,9 @@ def with_laws(model: Model, t: float, values: Array) -> Model:
         law_coefficient=coefficients,
         quantities=model.quantities._replace(law=np.full(n, -1, dtype=np.int64)),
     )
+
+
+@inlined
+def is_sampled(period: float, t: float) -> bool:
+    """Return whether a state of a period [s], 0 for none, is sampled at the instant t [s]."""
+    return period > 0.0 and abs(t / period - np.round(t / period)) < ONE_SAMPLE

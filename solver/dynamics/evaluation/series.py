@@ -19,14 +19,8 @@ from ..model.motion import N_MOTION, PLACE, place, stand
 from ..tolerances import REGULAR
 from .accelerations import by_blocks, dense_derivative_into, derivative_into
 from .elimination import is_tree
-from .evaluation import (
-    energies_into,
-    evaluate,
-    evaluate_rates,
-    force_wrench,
-    momenta_into,
-    n_coupling,
-)
+from .energies import energies_into, momenta_into
+from .evaluation import evaluate, evaluate_rates, force_wrench, n_coupling
 from .laws import law_at
 
 

@@ -18,7 +18,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ...dynamics.evaluation.elimination import solve
-from ...dynamics.evaluation.evaluation import energies_into, evaluate
+from ...dynamics.evaluation.energies import energies_into
+from ...dynamics.evaluation.evaluation import evaluate
 from ...dynamics.model.model import Model, Workspace, state_size
 from ...math.arrays import Array
 from ...math.compiled import lean, structure

@@ -26,8 +26,8 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 
 from ...dynamics.evaluation.elimination import solve
-from ...dynamics.evaluation.evaluation import reaction_slope
 from ...dynamics.evaluation.laws import auxiliary_rate
+from ...dynamics.evaluation.reactions import reaction_slope
 from ...dynamics.model.model import Model, Workspace
 from ...math.arrays import Array, zeros_of
 from ...math.compiled import inlined, lean, structure

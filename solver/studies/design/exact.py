@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from ...checks.finished import FinishedRun
-from ...dynamics.evaluation.evaluation import Instants
+from ...dynamics.evaluation.instants import Instants
 from ...errors import InputError
 from ...inputs.case.bodies.specifications import BodySpec
 from ...inputs.case.tables.schema import Mechanism

@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...dynamics.elements.forces.limit_stop import LIMIT_STOP
-from ...dynamics.evaluation.evaluation import Instants, beyond, reads_reactions, sampled
+from ...dynamics.evaluation.instants import Instants, beyond, sampled
+from ...dynamics.evaluation.reactions import reads_reactions
 from ...dynamics.model.coordinates import displaced
 from ...errors import InputError
 from ...integrators.breakpoints import JUMPS, breaks

@@ -23,7 +23,7 @@ from scipy.sparse import csr_array
 
 from ...dynamics.analysis.recovery import extent
 from ...dynamics.evaluation.accelerations import derivative
-from ...dynamics.evaluation.evaluation import Instants, beyond, sampled
+from ...dynamics.evaluation.instants import Instants, beyond, sampled
 from ...dynamics.evaluation.series import along_solution, quantities
 from ...dynamics.model.coordinates import displaced
 from ...dynamics.model.model import Model
