@@ -131,7 +131,7 @@ def read(files: Files) -> ModalBody:
             cells = _read_cells(mesh["MAI"])
     except (OSError, KeyError, ValueError) as error:
         raise InputError(
-            f"{path}: expected a MED file with one mesh and modes ({error})"
+            f"{path}: expected a MED file with one mesh and modes at all its nodes ({error})"
         ) from error
     sizes = {len(part) // len(nodes) for part in parts if len(part) % len(nodes) == 0}
     if len(sizes) != 1 or not sizes <= {3, 6}:
