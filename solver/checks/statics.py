@@ -196,6 +196,7 @@ def _missing(
     lateral = package.nodes_B[:, 1:]
     straight = package.sections and np.ptp(lateral, axis=0).max() <= STRAIGHT * body_size(package)
     axial = ("axial" in label or label.endswith(" x") for label in package.mode_labels)
+    largest = 0.5 * float(np.max(np.sum((p @ C) * p, axis=1)))
     if straight and not any(axial):
         p[:, [*range(0, n, 6), *range(n, n + 4)]] = 0.0
     forces = np.arange(n).reshape(-1, 3)
@@ -219,7 +220,7 @@ def _missing(
             counted[rows] = np.sum(G[own] * mean[own]) > SLIGHT * soft * size[rows].sum()
         lost = 0.5 * max(float(np.sum((G * mean)[np.ix_(counted, counted)])), 0.0)
         energy = max(energy, whole, vibration)
-        share = lost / max(whole, vibration) if lost > 0.0 else 0.0
+        share = lost / max(whole, vibration) if lost > LOAD_ROUNDING**2 * largest else 0.0
         missed = missed + mean if share > FEW_MODES.limit else missed
         if share > worst.share:
             k = int(np.argmax([float(a @ G @ a) for a in means]))

@@ -88,6 +88,7 @@ def undisturbed_findings(run: FinishedRun) -> Iterator[Finding]:
     """
     model, times, bodies = run.model, run.solution.t, run.mechanism.bodies
     known = any(finding.code in BUCKLED for finding in run.noticed)
+    known = known or run.solution.status == "failed"
     if known or not model.n_mode.any() or model.n_vel > WIDEST:
         return
     growth = 0.0

@@ -21,6 +21,7 @@ from scipy.optimize import brentq
 from plymotion.preprocess.beam.beam_body import mode_warnings
 from plymotion.solver.checks.judge import checked
 from plymotion.solver.checks.modes import mode_findings
+from plymotion.solver.checks.stiffening import undisturbed_findings
 from plymotion.solver.run.execution import execute, read_run
 from plymotion.solver.run.preparation import integrated, prepare
 
@@ -201,8 +202,11 @@ def test_a_column_of_segments_needs_an_imperfection(factor, across, expected):
     load = {"kind": "force", "at": "beam.tip", "direction": [-1.0, across, 0.0], "law": law}
     table["solver"] |= {"output_step": 0.02, **RADAU}
     spec = run_of(table | {"forces": {"load": load}}, (K, MASS))
-    found = {f.code: f for f in checked(integrated(prepare(spec.mechanism, spec.packages)))}
+    run = integrated(prepare(spec.mechanism, spec.packages))
+    found = {f.code: f for f in checked(run)}
     assert ("unstable-undisturbed" in found) == expected
+    broken = dataclasses.replace(run.solution, status="failed")  # its last state is no position
+    assert not list(undisturbed_findings(dataclasses.replace(run, solution=broken)))
     if expected:
         assert found["unstable-undisturbed"].body == "beam"
         assert found["unstable-undisturbed"].t < 0.5

@@ -7,9 +7,12 @@ from samples.case_samples import rigid
 from samples.curved_samples import meshed
 from samples.judged_samples import judged
 from samples.modes_samples import modes_at, rates
+from samples.segment_samples import cantilever, run_of
 from samples.stiffening_samples import rectangle
 
+from plymotion.solver.checks.judge import checked
 from plymotion.solver.package import write_package
+from plymotion.solver.run.preparation import integrated, prepare
 
 K, MASS = rectangle(70e9, 0.3, 2700.0, 0.004, 0.02)
 LENGTH, EI = 0.5, K[5, 5]
@@ -292,3 +295,17 @@ def test_modes_of_a_mechanism_whose_body_lacks_a_shape(tmp_path, capsys):
     assert none == []
     assert 'attachment" at root (r' in note
     assert lowest[0] / lowest[1] == pytest.approx(1.16, abs=0.04)
+
+
+def test_rounding_beside_a_load_along_beams_is_no_load():
+    """A straight beam is not judged for loads along it, nor for what they leave across it."""
+    table = cantilever(1, LENGTH)
+    beam = table["bodies"]["beam"] | {"modes": [{"kind": "bending-xy", "count": 1}]}
+    table["bodies"] = {"beam": beam, "next": beam | {"position": [LENGTH, 0.0, 0.0]}}
+    table["joints"]["middle"] = {"kind": "fixed", "between": ["beam.tip", "next.root"]}
+    law = {"smooth_step": {"value": 1.0, "duration": 0.2}}
+    push = {"kind": "force", "at": "next.tip", "direction": [-1.0, 1e-12, 0.0], "law": law}
+    table["solver"] |= {"output_step": 0.005, **RADAU}
+    spec = run_of(table | {"forces": {"push": push}}, (K, MASS))
+    found = checked(integrated(prepare(spec.mechanism, spec.packages)))
+    assert "modes-too-few" not in {finding.code for finding in found}
