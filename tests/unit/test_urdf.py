@@ -10,7 +10,7 @@ import pytest
 import plymotion as pm
 from plymotion.solver.__main__ import main
 from plymotion.solver.errors import InputError
-from plymotion.solver.extras.robot.case import robot_case
+from plymotion.solver.extras.robot.case import robot_case, start
 from plymotion.solver.extras.robot.case_folder import fewer
 from plymotion.solver.extras.robot.urdf import read_urdf
 from plymotion.solver.results.surfaces import stl_triangles
@@ -211,6 +211,19 @@ def test_joints_that_mimic_others(tmp_path: Path) -> None:
     assert found["jaw_1_q"].final == pytest.approx(0.02, abs=1e-9)
     assert found["jaw_2_q"].final == pytest.approx(-0.02, abs=1e-7)
     assert found["thumb_q"].final == pytest.approx(0.16, abs=1e-6)
+
+
+def test_a_long_chain_of_joints_that_mimic_each_other(tmp_path: Path) -> None:
+    """q_k = 0.5 q_(k-1) + 0.1 from q_1 = 0: 0.2 far along it."""
+    text = "<robot name='chain'><link name='l0'/>"
+    for k in range(1, 1200):
+        mimic = f"<mimic joint='j{k - 1}' multiplier='0.5' offset='0.1'/>" if k > 1 else ""
+        text += f"<link name='l{k}'/><joint name='j{k}' type='continuous'><parent link='l{k - 1}'/>"
+        text += f"<child link='l{k}'/><axis xyz='0 1 0'/>{mimic}</joint>"
+    (tmp_path / "chain.urdf").write_text(text + "</robot>")
+    robot = read_urdf(tmp_path / "chain.urdf")
+    found = [start(robot, robot.joints[name]) for name in ("j1", "j3", "j1199")]
+    assert found == pytest.approx([0.0, 0.15, 0.2], rel=1e-12)
 
 
 @pytest.mark.parametrize(

@@ -141,10 +141,12 @@ def _bodies(
 
 def start(robot: Robot, joint: UrdfJoint) -> float:
     """Return the coordinate of a joint where all that mimic none are 0 [rad, m]."""
-    if joint.mimic is None or joint.kind == Type.FIXED:
-        return 0.0
-    other = start(robot, robot.joints[joint.mimic.joint])
-    return joint.mimic.offset + joint.mimic.multiplier * other
+    value, factor = 0.0, 1.0
+    while joint.mimic is not None and joint.kind != Type.FIXED:
+        value += factor * joint.mimic.offset
+        factor *= joint.mimic.multiplier
+        joint = robot.joints[joint.mimic.joint]
+    return value
 
 
 def _moved(joint: UrdfJoint, value: float) -> Pose:
