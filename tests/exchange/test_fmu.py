@@ -13,7 +13,11 @@ from samples.case_samples import HEAD, SOLVER, run_case
 from samples.fmu_samples import SLIDER, export, fmpy, slider
 
 from plymotion.solver.__main__ import main
+from plymotion.solver.dynamics.elements.joints.table import COORDINATES
 from plymotion.solver.math.arrays import Array
+from plymotion.solver.signals import rotor
+from plymotion.solver.signals.points import POINT_UNITS
+from plymotion.solver.studies.fmu.write import UNITS
 
 __all__ = ["fmpy", "slider"]  # fixtures
 
@@ -110,6 +114,12 @@ def test_refusals(
     assert main(["export", *words, "--to", "fmu"]) == 2
     assert message in capsys.readouterr().err
     assert not list(tmp_path.rglob("*.fmu"))
+
+
+def test_units_of_all_signals_are_those_of_fmi() -> None:
+    """Of those that have one unit each; the power of a rotor was refused."""
+    joints = {coordinate.unit for coordinate in COORDINATES.values()}
+    assert joints | {*POINT_UNITS.values(), *rotor.UNITS.values(), "N", "N m", "Pa"} <= {*UNITS}
 
 
 def test_python_files_of_a_case_are_refused(
