@@ -91,11 +91,19 @@ def undisturbed_findings(run: FinishedRun) -> Iterator[Finding]:
     known = known or run.solution.status == "failed"
     if known or not model.n_mode.any() or model.n_vel > WIDEST:
         return
-    growth = 0.0
-    for last, k in pairwise(run.some(LOOKS).tolist()):
+    growth, looks = 0.0, run.some(LOOKS).tolist()
+
+    def stable(K: Array) -> bool:
+        return not K.size or float(np.linalg.eigvalsh(K + K.T)[0]) >= 0.0
+
+    # Few looks first, the last among them: one costs 0.4 ms, and most runs are stable at all.
+    few = (elastic_motions(model, float(times[k]), run.solution.y[k]) for k in looks[:0:-4])
+    if all(stable(K) for _, _, K, _ in few):
+        return
+    for last, k in pairwise(looks):
         t, y = float(times[k]), run.solution.y[k]
         Z, M, K, C = elastic_motions(model, t, y)
-        if not K.size or float(np.linalg.eigvalsh(K + K.T)[0]) >= 0.0:
+        if stable(K):
             growth = 0.0
             continue
         state = -np.linalg.solve(M, np.hstack([K, C]))
