@@ -50,7 +50,8 @@ class Result:
     def __init__(self, folder: str | Path, summary: Summary | None = None) -> None:
         self.folder = Path(folder)
         self.summary = read_summary(self.folder / "summary.json") if summary is None else summary
-        self._stamp = _stamp(self.folder)
+        self._file = (self.folder / "result.vtkhdf").absolute()
+        self._stamp = _stamp(self._file)
         _MADE.add(self)
 
     @classmethod
@@ -75,12 +76,13 @@ class Result:
         >>> data.q.shape[0] == data.t.size
         True
         """
-        if self._stamp not in (None, _stamp(self.folder)):
+        now = _stamp(self._file)
+        if self._stamp is not None and now not in (None, self._stamp):
             raise InputError(
-                f"{self.folder / 'result.vtkhdf'}: a later run has replaced it; expected another "
-                "folder for that, by out="
+                f"{self._file}: a later run has replaced it; expected another folder for that, by "
+                "out="
             )
-        return read_result(self.folder / "result.vtkhdf")
+        return read_result(self._file)
 
     @property
     def case(self) -> str:
@@ -217,10 +219,10 @@ class Result:
 _MADE: WeakSet[Result] = WeakSet()  # which may not have read their files
 
 
-def _stamp(folder: Path) -> tuple[int, int] | None:
-    """Return what tells one file of results in a folder from a later one, if it is there."""
+def _stamp(file: Path) -> tuple[int, int] | None:
+    """Return what tells a file from a later one in its place, if it is there."""
     try:
-        found = (folder / "result.vtkhdf").stat()
+        found = file.stat()
     except OSError:
         return None
     return found.st_ino, found.st_mtime_ns
@@ -276,8 +278,9 @@ def run(
         file, target = written(checked, folder, f"runs/{run}.json", packages), folder / run
         if force or not up_to_date(file, target):
             tell_if_slow()
+            there = (target / "result.vtkhdf").absolute()
             for made in list(_MADE):  # a later result in the same folder is not theirs
-                if made.folder == target and made._stamp == _stamp(target) is not None:
+                if made._file == there and made._stamp == _stamp(there) is not None:
                     _ = made.data
             run_one(file, target, progress=progress, allow_python=allow_python)
         return Result(target)

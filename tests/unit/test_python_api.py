@@ -158,18 +158,27 @@ def test_wrong_names_and_wrong_cases_say_so(swing):
         pm.run(case, "base")
 
 
-def test_a_result_keeps_its_numbers_when_its_folder_gets_another(swing):
+def test_a_result_keeps_its_numbers_when_its_folder_gets_another(swing, monkeypatch):
     """Signals are read when they are asked for; a later run may have replaced the file by then."""
     case = pm.load(swing)
     first = pm.run(case, "base")
     wanted = pm.Result.from_folder(first.folder).signals["tip_z"].final
-    left = pm.Result(first.folder.absolute())  # another spelling of the folder, as of a process
     case.gravity = [0.0, 0.0, -1.62]
     second = pm.run(case, "base")
     assert second.signals["tip_z"].final > wanted + 0.1
     assert first.signals["tip_z"].final == wanted
+    left, gone = pm.Result(second.folder), pm.Result(second.folder)
+    monkeypatch.chdir("build")  # results are found from everywhere
+    assert second.summary["run"] == pm.Result("swing/base").run
+    file = Path("swing/base/result.vtkhdf")
+    file.with_name("other").write_bytes(file.read_bytes())
+    file.with_name("other").replace(file)  # as another process does
     with pytest.raises(pm.InputError, match=r"result.vtkhdf: a later run has replaced it; exp"):
         _ = left.signals
+    assert pm.Result("swing/base").signals["tip_z"].final == second.signals["tip_z"].final
+    file.unlink()
+    with pytest.raises(pm.InputError, match=r"result.vtkhdf: no such file"):
+        _ = gone.signals
 
 
 @pytest.mark.parametrize("case", [{"format": 1}, None])
