@@ -10,12 +10,13 @@ from ..dynamics.analysis.quasi_static import vibrations
 from ..dynamics.analysis.rank import free_motions
 from ..dynamics.analysis.recovery import stiffened
 from ..dynamics.evaluation.accelerations import assemble
+from ..dynamics.tolerances import WITHOUT_STRAIN
 from ..inputs.case.record import loaded_places
 from ..package import ModalPackage
 from ..results.codes import CUT_EARLY, ROTATION, Finding
 from .finished import FinishedRun
 from .statics import missing_findings
-from .tolerances import OF_ONE_BODY, WITHOUT_STRAIN
+from .tolerances import OF_ONE_BODY
 
 # Whether the vibration modes of each body are enough, family by family.
 

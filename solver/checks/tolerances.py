@@ -24,10 +24,8 @@ LOWER_PIVOT, HIGHER_PIVOT = 0.25, 4.0
 GROWTH_OF_A_TENTH = 3.0
 
 # Share of the strain energy of a vibration that makes it one of a body: two like members of an arm
-# have half each, so that a larger share would pass over their bending. Eigenvalue of motions
-# without strain, over the largest.
+# have half each, so that a larger share would pass over their bending.
 OF_ONE_BODY = 0.25
-WITHOUT_STRAIN = 1e-10
 
 # Growth over the spin that a run passes by: that of a shaft whose two stiffnesses differ by 4 %, by
 # (w_2 - w_1) / 2 between its critical speeds; meshed round shafts differ by less.

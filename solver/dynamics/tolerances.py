@@ -84,3 +84,6 @@ FULL_RESTITUTION = 1.0 - 1e-9
 INFLOW_FOUND = 1e-9
 LEAST_WIND, LEAST_FLOW, LEAST_RADIUS = 0.1, 1e-3, 1e-6
 LEAST_SINE, LEAST_LOSS = 1e-6, 1e-3
+
+# Squared frequency of a motion without strain, over the largest.
+WITHOUT_STRAIN = 1e-10

@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 from samples.beam_samples import CLAMPED, MEAN_AXIS, clamped_file, reduced
 from samples.case_samples import HEAD, computed_file, run_text
+from samples.segment_samples import cantilever, run_of
 from samples.stiffening_samples import rectangle
 
 from plymotion.solver.errors import InputError
 from plymotion.solver.package import write_package
 from plymotion.solver.package.body.invariants import inertia_at_rest
+from plymotion.solver.run.preparation import prepare
 
 ARM = """
 gravity = [0.0, -9.81, 0.0]
@@ -91,6 +93,21 @@ def test_rates_that_do_not_last_are_not_followed(beam, tmp_path):
     tip = next(place for place in beam.interfaces if place.name == "tip")
     static = float(tip.phi_B[1] @ np.linalg.solve(beam.stiffness, tip.phi_B[1]))
     assert found["tip"].max() < 2.1 * static
+
+
+def test_what_a_body_carries_makes_its_vibrations_slow():
+    """A turn within a small part of the period with a rigid body of 2 kg: no rate is followed."""
+    table = cantilever(1, 1.0, body={"modes": [{"kind": "bending-xy", "count": 1}]})
+    point = {"c": {"position": [0.0, 0.0, 0.0]}}
+    bob = {"kind": "rigid", "mass": 2.0, "inertia": np.eye(3).tolist(), "interfaces": point}
+    table["bodies"]["bob"] = bob | {"position": [1.0, 0.0, 0.0]}
+    turn = {"smooth_step": {"value": 0.5, "duration": 0.1}}
+    table["joints"]["clamp"] |= {"kind": "revolute", "axis": [0.0, 0.0, 1.0], "drive": turn}
+    table["joints"]["held"] = {"kind": "fixed", "between": ["beam.tip", "bob.c"]}
+    table["solver"]["start"] = "quasi-static"
+    spec = run_of(table, rectangle(70e9, 0.3, 2700.0, 0.01, 0.02))
+    ready = prepare(spec.mechanism, spec.packages)
+    assert not ready.y0[ready.model.n_pos :].any()
 
 
 def long_beam(folder, reference):

@@ -1,5 +1,7 @@
 """Quasi-static deformation of bodies by the loads of a motion, which they follow as if rigid."""
 
+from contextlib import suppress
+
 import numpy as np
 
 from ...math.arrays import Array
@@ -8,7 +10,7 @@ from ..evaluation.accelerations import assemble
 from ..evaluation.elimination import is_tree
 from ..evaluation.series import along_solution
 from ..model.model import Model, modal_matrix
-from ..tolerances import RANK_TOLERANCE, STANDS_STILL
+from ..tolerances import RANK_TOLERANCE, STANDS_STILL, WITHOUT_STRAIN
 from .rank import free_motions, rank_of
 
 # Modal mass over that of the model: bodies then move as if rigid. The inertia that the first of 16
@@ -52,7 +54,8 @@ def _heavy(model: Model, t: float, y: Array) -> Model:
     return heavy
 
 
-_STEP = 0.1  # over the least frequency of the bodies: the loads of a slow motion change by little
+_STEP = 0.1  # over the least frequency: the loads of a slow motion change by little
+_MOST = 400  # velocity coordinates: the eigenproblem of more would be felt
 
 
 def quasi_static_rates(model: Model, t: float, y: Array) -> tuple[list[Array], float]:
@@ -73,6 +76,13 @@ def quasi_static_rates(model: Model, t: float, y: Array) -> tuple[list[Array], f
     for i in np.flatnonzero(model.n_mode[: model.n_body]).tolist():
         K, M = (modal_matrix(model, flat, i) for flat in (model.K_qq, model.M_qq))
         slowest = max(slowest, float(np.linalg.eigvals(np.linalg.solve(K, M)).real.max()))
+    if model.n_vel <= _MOST:  # with what the bodies carry
+        equations = assemble(model, t, y)
+        with suppress(np.linalg.LinAlgError):  # a free motion moves no mass
+            Z = free_motions(equations, model.inertia_scale).Z
+            values = vibrations(model, Z, equations.M)[1]
+            elastic = values[values > WITHOUT_STRAIN * values.max(initial=0.0)]
+            slowest = max(slowest, 1.0 / float(elastic.min(initial=np.inf)))
     h, z = _STEP * np.sqrt(slowest), y
     shapes = [_deformations(model, heavy, t, y)]
     for begin in (t, t + h):
