@@ -3,6 +3,7 @@
 import copy
 import json
 import re
+import signal
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -12,9 +13,11 @@ import pytest
 from scipy.optimize import minimize_scalar
 
 import plymotion as pm
+from plymotion.solver.__main__ import main
 from plymotion.solver.errors import InputError
 from plymotion.solver.package import write_package
 from plymotion.solver.package.common.design import Derivative
+from plymotion.solver.package.common.plain_data import toml_text
 from plymotion.solver.studies.design import trials as design_trials
 from plymotion.solver.studies.design.memory import FILE
 from plymotion.solver.studies.design.trials import StudySpec, Trials
@@ -136,22 +139,24 @@ def test_study_goes_on_where_it_was_stopped(monkeypatch: pytest.MonkeyPatch) -> 
 
     def stopped(self: Any, p: Any) -> Any:
         if not left[0]:
-            raise KeyboardInterrupt
+            signal.raise_signal(signal.SIGTERM)
+            raise KeyboardInterrupt  # where another thread gets it
         left[0] -= 1
         return real(self, p)
 
     with monkeypatch.context() as patch:
         patch.setattr(trials.Trials, "values", stopped)
-        with pytest.raises(KeyboardInterrupt):
-            pm.optimise(_case(oscillator(starts=1)), out="part")
+        Path("ball.toml").write_text(toml_text(oscillator(starts=1)), "utf-8")
+        command = ["optimise", "ball.toml", "--study=stop", "--out=part", "--quiet"]
+        assert main(command) == 128 + signal.SIGTERM
     file = Path("part/studies/stop") / FILE
     with file.open("ab") as torn:
         torn.write(b'0123456789abcdef {"kind": "val')  # a line that the signal cut
-    rest = pm.optimise(_case(oscillator(starts=1)), out="part")
-    assert rest.data["starts"][0]["computed"] == total - 3
-    assert rest.data["optimum"] == whole.data["optimum"]
-    again = pm.optimise(_case(oscillator(starts=1)), out="part")
-    assert again.data["starts"][0]["computed"] == 0
+    for computed in (total - 3, 0):
+        assert main(command) == 0
+        rest = json.loads(file.with_name("design.json").read_text("utf-8"))
+        assert rest["starts"][0]["computed"] == computed
+        assert rest["optimum"] == whole.data["optimum"]
 
 
 def test_another_case_computes_its_designs_again() -> None:
