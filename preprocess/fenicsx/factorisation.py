@@ -76,6 +76,7 @@ def use_mumps(pc: Any, n_dof: int, solid: bool = False, counts: bool = False) ->
         ordering if n_dof < (LARGE if solid else VERY_LARGE) else AUTOMATIC
     )
     options[f"{PREFIX}mat_mumps_icntl_13"] = int(counts)
+    options[f"{PREFIX}mat_mumps_icntl_27"] = 64  # right-hand sides at once: 7 % faster than 32
     pc.setOptionsPrefix(PREFIX)
     pc.setFactorSolverType("mumps")
 

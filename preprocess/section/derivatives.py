@@ -285,7 +285,8 @@ class Recovered:
     def rates(self, asked: Sequence[Rates], changes: Changes) -> list[dict[str, Array]]:
         """Rates of the strains of the points in ply axes and of these axes, by each parameter."""
         at, found = self.at, []
-        strain = at.strain_in_section(flat(changes.W)) + at.strain_along_beam(flat(changes.Q))
+        strain = at.strain_in_section(flat(changes.W))
+        strain += at.strain_along_beam(flat(changes.Q))
         strain_M = (self.to_plies @ strain).reshape(-1, 6, len(asked), 6)
         for i, one in enumerate(asked):
             rate = {"recovery/strain_M": strain_M[self.real, :, i]}

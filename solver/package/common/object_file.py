@@ -239,9 +239,9 @@ def keep(key: str | None, kind: str, item: Any) -> None:
         _OBJECTS.write(f"{key}-{kind}", content)
 
 
-def packed(item: Any) -> list[bytes]:
+def packed(item: Any) -> list[bytes | memoryview]:
     """Return an object as bytes, part by part. Raises TypeError for a part of another kind."""
-    arrays: list[bytes] = []
+    arrays: list[memoryview] = []
     head = json.dumps(_json_of(item, arrays)).encode()
     return [head, b"\n", *arrays]
 
@@ -252,7 +252,7 @@ def unpacked(content: bytes) -> Any:
     return _value_of(json.loads(content[:end]), memoryview(content)[end + 1 :])
 
 
-def _json_of(value: Any, arrays: list[bytes]) -> Any:
+def _json_of(value: Any, arrays: list[memoryview]) -> Any:
     """Return a value as JSON; what JSON does not have is a list of its kind and its parts."""
     if value is None or isinstance(value, str | int | float):
         return value
@@ -260,8 +260,9 @@ def _json_of(value: Any, arrays: list[bytes]) -> Any:
         return value.item()
     if isinstance(value, np.ndarray) and not value.dtype.hasobject:
         order: Literal["C", "F"] = "C" if value.flags.c_contiguous else "F"
-        arrays.append(value.tobytes(order))
-        return ["array", value.dtype.str, value.shape, order, len(arrays[-1])]
+        flat = np.ascontiguousarray(value if order == "C" else value.T).reshape(-1)
+        arrays.append(flat.view(np.uint8).data)
+        return ["array", value.dtype.str, value.shape, order, value.nbytes]
     if isinstance(value, dict):
         return ["dict", [[_json_of(part, arrays) for part in pair] for pair in value.items()]]
     if isinstance(value, tuple | list):
