@@ -392,7 +392,7 @@ def write_object(path: str | Path, known: ObjectFormat[Object], item: Any) -> No
         write_checksum(file, known)
 
 
-def write_packed(path: Path, known: ObjectFormat[Object], item: Object) -> None:
+def write_packed(path: Path, known: ObjectFormat[Any], item: Any) -> None:
     """Write an object for another process of this program, which reads it once: see `unpacked`.
 
     Its numbers are checked as by `write_object`, which takes five times as long, and a later
@@ -410,14 +410,16 @@ def write_packed(path: Path, known: ObjectFormat[Object], item: Object) -> None:
         The object is inconsistent.
     """
     encoded(f"{path}: /{known.group}", item)
-    bad = known.content(item)
-    for one in getattr(item, "design", ()):
-        for name, rate in one.values.items():
+    bad, made, design = known.content(item), rebuilt(item, all_values(item)), []
+    for one in made.design:
+        rates = {name: np.asarray(rate, np.float64) for name, rate in one.values.items()}
+        design.append(dataclasses.replace(one, values=rates))
+        for name, rate in rates.items():
             at = f"{GROUP}/{one.name}/{name}"
             finite(at, rate, lambda dataset, text: bad.append(Remark("error", dataset, text)))
     raise_first(path, bad)
     with path.open("wb") as file:
-        file.writelines(packed(rebuilt(item, all_values(item))))
+        file.writelines(packed(dataclasses.replace(made, design=tuple(design))))
 
 
 def read_object(
