@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from plymotion.solver.math.arrays import Array
-from plymotion.solver.studies.design.memory import Memory
 from plymotion.solver.studies.design.starts import Known, opened
 from plymotion.solver.studies.design.study import optimise
+from plymotion.solver.studies.design.study_state import Memory
 from plymotion.solver.studies.design.trials import StudySpec, Trials
 from plymotion.solver.workers.executors import Local, Task, distribute
 

@@ -58,7 +58,7 @@ def models(folder: Path) -> dict[str, dict[str, Any]]:
 def as_rank(folder: Path, words: list[str]) -> int:
     """The command; its figures go into a file for each rank."""
     from plymotion.preprocess.__main__ import main
-    from plymotion.preprocess.fenicsx import stack
+    from plymotion.preprocess.fenicsx import libraries
     from plymotion.preprocess.fenicsx.assembly import SolidSpace
     from plymotion.preprocess.fenicsx.team import Distribution
     from plymotion.preprocess.section.space.numbering import Pattern, Restriction
@@ -66,7 +66,7 @@ def as_rank(folder: Path, words: list[str]) -> int:
     from plymotion.preprocess.shell.model.freedom import Freedom
     from plymotion.preprocess.shell.model.shell_problem import Assembly
 
-    parts = stack.dolfinx, stack.PETSc  # loaded at their first use otherwise: not assembly
+    parts = libraries.dolfinx, libraries.PETSc  # loaded at their first use otherwise: not assembly
     assert all(parts)
     spent = [0.0]
     for owner, name in (
@@ -89,10 +89,10 @@ def as_rank(folder: Path, words: list[str]) -> int:
 
 def timed(work: Callable[..., Any], spent: list[float]) -> Callable[..., Any]:
     """A function that adds its processor time to `spent`, and begins on all ranks together."""
-    from plymotion.preprocess.fenicsx import stack
+    from plymotion.preprocess.fenicsx import libraries
 
     def run(*arguments: Any, **options: Any) -> Any:
-        stack.MPI.COMM_WORLD.Barrier()
+        libraries.MPI.COMM_WORLD.Barrier()
         start = time.process_time()
         found = work(*arguments, **options)
         spent[0] += time.process_time() - start

@@ -28,7 +28,7 @@ from samples.section_cases import section
 
 from plymotion.preprocess import fenicsx
 from plymotion.preprocess.fenicsx.factorisation import MINIMUM_DEGREE
-from plymotion.preprocess.fenicsx.stack import PETSc
+from plymotion.preprocess.fenicsx.libraries import PETSc
 from plymotion.preprocess.section.section_problem import SectionProblem
 from plymotion.preprocess.section.space.layers import layup
 from plymotion.preprocess.section.space.section_mesh import SectionMesh, section_mesh

@@ -20,7 +20,7 @@ from samples.shell_cantilevers import box, cantilever
 
 from plymotion.preprocess import fenicsx
 from plymotion.preprocess.fenicsx.factorisation import sorted_csr
-from plymotion.preprocess.fenicsx.stack import MPI, SLEPc
+from plymotion.preprocess.fenicsx.libraries import MPI, SLEPc
 from plymotion.preprocess.fenicsx.team import Distribution
 
 N_MODE = 8

@@ -25,7 +25,7 @@ from plymotion.solver.dynamics.evaluation.accelerations import assemble, constra
 from plymotion.solver.integrators.generic.base import Integrator
 from plymotion.solver.integrators.table import FOR_EQUATIONS, new_integrator
 from plymotion.solver.mechanism.assembly import assemble_model
-from plymotion.solver.mechanism.built import Start
+from plymotion.solver.mechanism.built_mechanism import Start
 from plymotion.solver.mechanism.tables import JointTable, MarkerTable
 from plymotion.solver.package.common.files import temporary_sibling
 from plymotion.solver.report.style import INK, WARNING, Canvas, colour, house_style

@@ -46,7 +46,7 @@ def _guarded(options: argparse.Namespace) -> int:
     """Run a command; turn what it raises into a message and an exit code."""
     try:
         if options.command == "compile":
-            from .ahead import compile_ahead
+            from .precompile import compile_ahead
 
             compile_ahead(print)
             return 0

@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import Any
 
 from ..solver.math.arrays import Array
-from ..solver.math.independent import independent
+from ..solver.math.independent_changes import independent
 from ..solver.package.body.package_schema import ModalPackage, SectionData
 from ..solver.package.common.plain_data import SpecError, canonical, toml_text
 from ..solver.package.common.recovery_schema import SectionRecovery

@@ -20,7 +20,7 @@ from ..solver.inputs.case.record import CASE_FILE
 from ..solver.inputs.section.study import described_spec
 from ..solver.math.arrays import Array
 from ..solver.system.platform import cores
-from ..solver.workers.described import Entry, made_files
+from ..solver.workers.description_results import Entry, made_files
 from ..solver.workers.launch import keep_preprocessors
 from .result import named
 from .section import Section

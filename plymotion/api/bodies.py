@@ -21,7 +21,7 @@ from ..solver.report.shell.findings import read_shown, shell_json
 from ..solver.report.solid import solid_table
 from ..solver.studies.cases import folder_lock
 from ..solver.studies.fmu import VERSIONS
-from ..solver.workers.described import Entry, SpecOf, made_file
+from ..solver.workers.description_results import Entry, SpecOf, made_file
 from ..solver.workers.packages import prepared
 from .case import ByName, Case
 from .result import chosen, named, path_of

@@ -11,9 +11,9 @@ from ..solver.errors import InputError
 from ..solver.math.arrays import Array
 from ..solver.studies.linearisation.state_space import Realisation
 from ..solver.studies.modes.files import linear_system, modes_content, write_campbell, write_modes
-from ..solver.studies.modes.found import Diagram, Spins, find_modes, response_of
 from ..solver.studies.modes.place import At, at_of
 from ..solver.studies.modes.state import States, spec_of_run
+from ..solver.studies.modes.state_modes import Diagram, Spins, find_modes, response_of
 from .case import Case
 from .result import chosen, named, path_of
 from .signal import pandas, pyplot, table

@@ -15,7 +15,7 @@ from ..solver.package.common.recovery_schema import CORNERS, RESULTANTS
 from ..solver.package.section.section_file import read_section
 from ..solver.package.section.section_schema import SectionFile, SectionMeshData
 from ..solver.report.section.codes import SectionResults, read_results
-from ..solver.workers.described import Entry, made_file
+from ..solver.workers.description_results import Entry, made_file
 from .result import named
 from .signal import Markup, pandas, table
 

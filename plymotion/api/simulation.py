@@ -12,7 +12,7 @@ from ..solver.dynamics.analysis.joint_coordinates import JointCoordinates, Proje
 from ..solver.errors import InputError, nearest
 from ..solver.math.arrays import Array
 from ..solver.mechanism.build import build, used_packages
-from ..solver.mechanism.built import BuiltMechanism
+from ..solver.mechanism.built_mechanism import BuiltMechanism
 from ..solver.run.coupled import Kept, Stepper
 from ..solver.run.execution import read_run
 from .case import Case

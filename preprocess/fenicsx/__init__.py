@@ -11,11 +11,11 @@ when it is asked for; __init__.pyi tells their types.
 """
 
 from ...solver.math.catalogue import lazy_names
-from . import stack as stack  # raises MissingFenicsx
+from . import libraries as _libraries  # raises MissingFenicsx
 
 # Module of this folder -> the names that it offers; no module has the name of a function.
 _PUBLIC = {
-    "plain": (
+    "plain_mesh": (
         *("EDGES", "NODES", "NamedNodes", "PlainMesh", "used_nodes", "with_centre_nodes"),
         *("lagrange", "order_of_nodes", "quadrature", "reference_nodes"),
     ),
@@ -31,7 +31,7 @@ _PUBLIC = {
         *("Kernel", "Rows", "Symbols", "compiled", "evaluated", "kernel", "matrices", "rows"),
         "symbols",
     ),
-    "stack": (
+    "libraries": (
         *("EigenError", "FactorisationError", "InertiaError", "MeshError", "SingularError"),
         *("HAS_MUMPS", "MPI", "MissingFenicsx", "gmsh", "versions"),
     ),

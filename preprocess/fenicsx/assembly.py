@@ -14,7 +14,8 @@ import ufl
 
 from ...solver.math.arrays import Array, IntArray
 from .kernels import Kernel, matrix_form
-from .plain import PlainMesh, lagrange, quadrature
+from .libraries import MPI, PETSc, dolfinx
+from .plain_mesh import PlainMesh, lagrange, quadrature
 from .spaces import (
     assembled,
     cell_dofs,
@@ -27,7 +28,6 @@ from .spaces import (
     quiet,
     vector_space,
 )
-from .stack import MPI, PETSc, dolfinx
 from .team import ALONE, Team
 
 DOFS = 6  # of a node: ux uy uz rx ry rz

@@ -8,7 +8,7 @@ import scipy.sparse as sp
 
 from ...solver.math.arrays import is_positive_definite
 from .factorisation import PETSC_ERRORS, RandomLoad, destroy, reason, sorted_csr, use_mumps
-from .stack import HAS_MUMPS, Array, EigenError, PETSc, SLEPc
+from .libraries import HAS_MUMPS, Array, EigenError, PETSc, SLEPc
 from .team import ALONE, Distribution, Team, whole
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from ...solver.math.arrays import REGULAR, Array
-from .stack import HAS_MUMPS, FactorisationError, InertiaError, PETSc, SingularError
+from .libraries import HAS_MUMPS, FactorisationError, InertiaError, PETSc, SingularError
 from .team import ALONE, Distribution, Team
 
 # For matrices of sections and shells approximate minimum degree takes half the time of nested

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from ...solver.system.platform import POSIX, context
-from .stack import MeshError, gmsh
+from .libraries import MeshError, gmsh
 
 STILL = 30.0  # [s] by the clock, twice without processor time: a process waits for ever
 FINEST = 1e-7  # size of cells over that of the model, below which no mesh is meant

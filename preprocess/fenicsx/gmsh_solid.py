@@ -14,8 +14,8 @@ from ...solver.math.arrays import Array, IntArray
 from ...solver.package.specification import CAD, CAD_WITH_UNIT
 from .gmsh_alone import allow, define, read
 from .gmsh_surface import all_found, check_count, check_mesh, curves, gmsh_session, opened, physical
-from .plain import PlainMesh
-from .stack import MeshError, gmsh
+from .libraries import MeshError, gmsh
+from .plain_mesh import PlainMesh
 
 STEP, IGES = CAD_WITH_UNIT[:2], CAD_WITH_UNIT[2:]
 GAP = 1e-5  # between faces of an IGES file that are one surface [m]

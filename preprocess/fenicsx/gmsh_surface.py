@@ -15,8 +15,8 @@ import numpy as np
 from ...solver.errors import few
 from ..mesh_input import SUFFIXES, is_ours, is_refused, load_script
 from .gmsh_alone import GmshEndedError, Parameters, allow, apart, cell_count, generate
-from .plain import IntArray, NamedNodes, PlainMesh, with_centre_nodes
-from .stack import Array, MeshError, gmsh
+from .libraries import Array, MeshError, gmsh
+from .plain_mesh import IntArray, NamedNodes, PlainMesh, with_centre_nodes
 
 CELLS = {
     2: ("triangle", 1, 3),

@@ -34,9 +34,9 @@ import ufl
 from ...solver.errors import COMPILER
 from ...solver.math.arrays import Array
 from ...solver.math.disk_cache import DiskCache
-from .plain import NODES, order_of_nodes, reference_nodes
+from .libraries import HELP, MPI, MissingFenicsx, dolfinx
+from .plain_mesh import NODES, order_of_nodes, reference_nodes
 from .spaces import JIT, JIT_OPTIONS, element_of, quiet
-from .stack import HELP, MPI, MissingFenicsx, dolfinx
 
 # Of the lists. With -O2 they compile half as long again and run 5 % faster; with Python's own -g
 # and warnings two and a half times as long.

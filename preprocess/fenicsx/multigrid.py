@@ -14,7 +14,7 @@ from ...solver.math.arrays import Array
 from ..parts import own
 from .eigen import checked, eigenpairs
 from .factorisation import PETSC_ERRORS, destroy, reason, sorted_csr, use_mumps
-from .stack import EigenError, FactorisationError, PETSc
+from .libraries import EigenError, FactorisationError, PETSc
 from .team import ALONE, Distribution, Team
 
 RTOL = 1e-10  # of the residual relative to the load

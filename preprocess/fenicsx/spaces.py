@@ -18,8 +18,8 @@ from cffi import VerificationError
 from numpy.typing import NDArray
 
 from ...solver.math.arrays import Array, IntArray
-from .plain import PlainMesh
-from .stack import MPI, dolfinx, refused
+from .libraries import MPI, dolfinx, refused
+from .plain_mesh import PlainMesh
 
 try:
     basix_ufl: Any = import_module("basix.ufl")

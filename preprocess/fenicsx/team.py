@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from ...solver.math.arrays import Array, IntArray
 from ..parts import Part
-from . import stack
+from . import libraries
 
 
 class Team:
@@ -39,7 +39,7 @@ class Team:
     def comm(self) -> Any:
         """The MPI communicator."""
         if self._comm is None:
-            self._comm = stack.MPI.COMM_SELF
+            self._comm = libraries.MPI.COMM_SELF
         return self._comm
 
     def share(self, count: int) -> slice:
@@ -80,7 +80,7 @@ class Team:
 
     def least(self, values: IntArray) -> IntArray:
         """The least values over the team, on all processes."""
-        self.comm.Allreduce(stack.MPI.IN_PLACE, values, op=stack.MPI.MIN)
+        self.comm.Allreduce(libraries.MPI.IN_PLACE, values, op=libraries.MPI.MIN)
         return values
 
     def stacked(self, part: NDArray[Any]) -> NDArray[Any]:
@@ -112,7 +112,7 @@ class Distribution:
         self.team, self.n = team, parts[0].shape[0]
         self.rows: Any = slice(0, self.n)  # of this process
         self.n_own = self.n
-        self.number = np.arange(self.n, dtype=stack.PETSc.IntType)  # of each row in PETSc
+        self.number = np.arange(self.n, dtype=libraries.PETSc.IntType)  # of each row in PETSc
         if team.size == 1:
             return
         filled = np.logical_or.reduce([np.diff(part.indptr) > 0 for part in parts])
@@ -127,11 +127,11 @@ class Distribution:
         self._elsewhere = np.concatenate([*shared[: team.rank], *shared[team.rank + 1 :]])
         self.n_own, self._n_inner = len(self.rows), len(inner)
         self.number[self._order] = np.arange(self.n)
-        self._numbering = stack.PETSc.LGMap().create(self.number, comm=stack.MPI.COMM_SELF)
+        self._numbering = libraries.PETSc.LGMap().create(self.number, comm=libraries.MPI.COMM_SELF)
 
     def matrix(self, part: sp.csr_matrix, *, spd: bool) -> Any:
         """The sum of parts as a symmetric matrix of PETSc, which may be positive definite."""
-        PETSc, comm = stack.PETSc, self.team.comm
+        PETSc, comm = libraries.PETSc, self.team.comm
         size = (self.n_own, self.n), (self.n_own, self.n)  # of this process, of all
         index = part.indptr.astype(PETSc.IntType, copy=False)
         entries = index, part.indices.astype(PETSc.IntType, copy=False), part.data
@@ -159,7 +159,7 @@ class Distribution:
         across[self._n_inner :] = lengths[self._n_inner :]
         lengths[: self._n_inner] -= across[: self._n_inner]
         return tuple(
-            np.minimum(count, most).astype(stack.PETSc.IntType)
+            np.minimum(count, most).astype(libraries.PETSc.IntType)
             for count, most in ((lengths, self.n_own), (across, self.n - self.n_own))
         )
 
@@ -190,8 +190,8 @@ class Ranks(Team):
     """The ranks that mpirun started: all take part, rank 0 decides and writes."""
 
     def __init__(self) -> None:
-        super().__init__(stack.MPI.COMM_WORLD)
-        self._private = stack.MPI.COMM_WORLD.Dup()  # separate from the messages of an analysis
+        super().__init__(libraries.MPI.COMM_WORLD)
+        self._private = libraries.MPI.COMM_WORLD.Dup()  # separate from the messages of an analysis
 
     def broadcast(self, value: Any) -> Any:
         """The value of rank 0, on every rank."""

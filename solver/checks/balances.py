@@ -44,9 +44,9 @@ from ..results.codes import (
     SIZE_UNITS,
     Finding,
 )
-from ..strength.found import BodyStrength, failure_text
+from ..strength.strength_summary import BodyStrength, failure_text
 from ..strength.weakest_plies import body_search
-from .finished import FinishedRun
+from .finished_run import FinishedRun
 
 if TYPE_CHECKING:
     from ..inputs.case.tables.schema import Mechanism

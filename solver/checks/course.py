@@ -13,7 +13,7 @@ from ..integrators.generic.advice import Stall
 from ..integrators.table import INTEGRATORS, treatment_of
 from ..math.arrays import Array, distinct
 from ..math.catalogue import Code, Expression, Expressions
-from ..mechanism.built import BuiltMechanism
+from ..mechanism.built_mechanism import BuiltMechanism
 from ..results.codes import (
     CHATTERS,
     CODES,
@@ -28,7 +28,7 @@ from ..results.codes import (
     VIBRATION_DAMPED,
     Finding,
 )
-from .finished import FinishedRun
+from .finished_run import FinishedRun
 from .tolerances import GROWTH_OF_A_TENTH
 
 _ENDS = {"failed": RUN_FAILED, "interrupted": RUN_INTERRUPTED}

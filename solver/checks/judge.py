@@ -19,9 +19,9 @@ from ..math.arrays import Array
 from ..math.rows import column
 from ..mechanism.consistent import undeformed
 from ..results.codes import LOADED_START, TABLE_OVERSHOOTS, Finding
-from ..strength.found import BodyStrength
+from ..strength.strength_summary import BodyStrength
 from . import balances, course, modes, stiffening
-from .finished import FinishedRun, StepSizes
+from .finished_run import FinishedRun, StepSizes
 from .singularity import SingularityMonitor
 from .stability import BucklingMonitor, SpinMonitor
 

@@ -14,7 +14,7 @@ from ..dynamics.tolerances import WITHOUT_STRAIN
 from ..inputs.case.record import loaded_places
 from ..package import ModalPackage
 from ..results.codes import CUT_EARLY, ROTATION, Finding
-from .finished import FinishedRun
+from .finished_run import FinishedRun
 from .statics import missing_findings
 from .tolerances import OF_ONE_BODY
 

@@ -24,11 +24,11 @@ from ..dynamics.evaluation import series
 from ..errors import few
 from ..math.arrays import Array
 from ..math.rotations import skew
-from ..mechanism.built import BuiltMechanism
+from ..mechanism.built_mechanism import BuiltMechanism
 from ..package import ModalPackage
 from ..package.body.invariants import body_size
 from ..results.codes import FEW_MODES, WITH_DATA, Finding
-from .finished import FinishedRun
+from .finished_run import FinishedRun
 from .tolerances import LOAD_ROUNDING, OVERSHOOT, SLIGHT, SMALL_LOAD, STRAIGHT
 
 WINDOWS, WIDTH = 6, 9  # how many are looked at, and outputs in each

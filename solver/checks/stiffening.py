@@ -32,7 +32,7 @@ from ..results.codes import (
     WITH_DATA,
     Finding,
 )
-from .finished import FinishedRun
+from .finished_run import FinishedRun
 from .stability import (
     Loading,
     SpinMonitor,

@@ -284,8 +284,8 @@ def report_case(
         Not the folder of a case; no finished run; figures without matplotlib.
     """
     from ..report.animation import write_glb, write_vtk
+    from ..report.report_data import case_table
     from ..report.report_page import make_report
-    from ..report.story import case_table
     from ..report.table import summary_table
     from ..results import read_result, read_summary
 

@@ -8,9 +8,18 @@ import numpy as np
 
 from ..report.table import aligned, json_text
 from ..studies.modes.files import modes_content, write_campbell, write_modes
-from ..studies.modes.found import RPM, Diagram, Found, Mode, Spins, find_modes, response_of, span_of
 from ..studies.modes.place import at_of
 from ..studies.modes.state import States, read_spec
+from ..studies.modes.state_modes import (
+    RPM,
+    Diagram,
+    Found,
+    Mode,
+    Spins,
+    find_modes,
+    response_of,
+    span_of,
+)
 
 # Modes as a table for the screen.
 

@@ -138,7 +138,7 @@ def make_integrator(
     subject = model if kind.takes == "model" else right_hand_side(model)
     made: Integrator = kind(subject, 0.0, y0, solver.t_end, **options)
     if fixed_step is None and np.any(model.quantities.programs.code == LOAD):
-        from .hidden import HiddenForces  # not for expressions of time alone
+        from .force_variation import HiddenForces  # not for expressions of time alone
 
         if unseen := HiddenForces(model, made.points, made.rates_fit):
             made.hidden, made.chattering = unseen.stops, unseen.chattering

@@ -15,7 +15,7 @@ from . import __path__ as _path
 from .generic.base import Derivative, Integrator
 
 FIRST_ARGUMENTS = ("derivative", "model")
-NO_INTEGRATORS = ("table", "choice", "generic", "compiled", "hidden", "watched")
+NO_INTEGRATORS = ("table", "choice", "generic", "compiled", "force_variation", "expression_breaks")
 
 
 def classes_of(package: str, path: Iterable[str]) -> list[type[Integrator]]:

@@ -35,7 +35,7 @@ from ..math.rotations import matrix_to_parameters, vector_to_matrix
 from ..package import ModalPackage
 from ..package.body.selection import rigid, selected
 from .assembly import assemble_model
-from .built import BuiltMechanism, Start, frame_marker
+from .built_mechanism import BuiltMechanism, Start, frame_marker
 from .case_tables import Reader, coupling_rows, force_tables, joint_tables, wind_laws
 from .consistent import assembled
 from .places import Places

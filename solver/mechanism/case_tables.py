@@ -45,7 +45,7 @@ from ..math.catalogue import Number, Three
 from ..math.expressions.program import Node, constant, value_at
 from ..math.laws import Law, NamedCurve, law_value
 from ..math.rows import column
-from .built import BuiltJoint
+from .built_mechanism import BuiltJoint
 from .places import Places, axes
 from .tables import (
     CoordinateTable,

@@ -26,7 +26,7 @@ from ..errors import InputError, few
 from ..math.arrays import Array
 from ..math.records import record
 from ..results.codes import REDUNDANT, SINGULAR_START, Finding
-from .built import Start
+from .built_mechanism import Start
 from .tolerances import (
     DRIVE_AT_REST,
     MOTION_CONVERGED,

@@ -26,7 +26,7 @@ from ..dynamics.model.coordinates import Spin, moved, spin_accelerations, spin_v
 from ..dynamics.model.model import GROUND, Model
 from ..errors import InputError, few
 from ..math.arrays import Array
-from .built import BuiltMechanism, Start
+from .built_mechanism import BuiltMechanism, Start
 from .consistent import row_sizes
 from .tolerances import (
     BALANCE_CLOSED,

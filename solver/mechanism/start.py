@@ -27,7 +27,7 @@ from ..inputs.common.units import LENGTHS
 from ..math.arrays import Array
 from ..math.rotations import matrix_to_vector, rotation_matrix
 from ..results.codes import START_MOVED, Finding
-from .built import BuiltMechanism, Start
+from .built_mechanism import BuiltMechanism, Start
 from .consistent import DEFORMED, consistent_state, frames_close, with_closed_joints
 from .equilibrium import equilibrium, relative_equilibrium
 from .tolerances import (

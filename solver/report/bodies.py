@@ -8,8 +8,8 @@ import numpy as np
 
 from ..math.arrays import Array
 from ..results.run_result import BodyView
+from .report_data import Story
 from .sections import Cell, Row, figures, name_of, section, table
-from .story import Story
 from .table import number
 
 # The sections of report.html on the modes of the bodies and their masses.

@@ -11,7 +11,7 @@ from ..math.arrays import Array
 from ..results import BodyGeometry, RunResult, Signal
 from ..results.file import frames
 from ..results.summary import spectrum
-from .story import Comparison, Story
+from .report_data import Comparison, Story
 from .style import DASHES, GREY, INK, PALE, WARNING, Canvas, colour, mark_stop, unit_text
 
 # Verification plot of a run: energies, error of the energy balance, constraint violation.

@@ -9,8 +9,8 @@ from typing import Any
 
 from ..math.arrays import front
 from ..package.common.files import kept_table
+from .report_data import Story
 from .sections import Cell, Row, figures, name_of, section, table
-from .story import Story
 
 # Chart of the models of a run with [fidelity] in the page: error against CPU time, as SVG.
 

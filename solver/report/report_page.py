@@ -31,9 +31,9 @@ from .design.page import design_sections, study_files
 from .fidelity import fidelity_section, ladder_file, with_ladder
 from .inline import NUMBERS as HISTORIES
 from .inline import Blob, document, histories, json_for_script, markup, script
+from .report_data import Comparison, Story, comparisons, read_story
 from .scene import NUMBERS, scene
 from .sections import READING, banner, doubts, inputs_section, outcomes, section, signals_section
-from .story import Comparison, Story, comparisons, read_story
 from .style import house_style
 
 

@@ -19,7 +19,7 @@ from ..results.surfaces import halved, prism, unit_sphere
 from ..strength import criteria_of
 from ..strength.criteria.von_mises import equivalent_stress
 from .inline import Blob
-from .story import Story
+from .report_data import Story
 
 SITES_AT_ONCE = 2_000_000  # numbers in memory at a time
 

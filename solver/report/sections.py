@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from ..errors import counted
 from ..results.codes import RUN_CODES, Finding
 from ..results.summary import findings, invalid_words, is_under_way, verdict
-from .story import Story
+from .report_data import Story
 from .table import measure, number
 
 # Elements of report.html: sections, tables that can be sorted, names of runs.

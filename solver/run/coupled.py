@@ -23,7 +23,7 @@ from ..integrators.radau import Radau
 from ..integrators.table import INTEGRATORS
 from ..math.arrays import Array
 from ..math.laws import N_COEFFICIENT
-from ..mechanism.built import BuiltMechanism
+from ..mechanism.built_mechanism import BuiltMechanism
 from ..mechanism.consistent import described_gaps
 from ..signals import recorded
 from .inputs import RunSpec

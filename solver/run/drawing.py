@@ -15,7 +15,7 @@ from ..dynamics.evaluation.series import loads_of_markers
 from ..math.arrays import Array, IntArray, distinct
 from ..math.laws import lengths_along
 from ..math.rows import LongRows
-from ..mechanism.built import BuiltMechanism
+from ..mechanism.built_mechanism import BuiltMechanism
 from ..package import ModalPackage
 from ..package.section.stress import strengths
 from ..results import BodyGeometry

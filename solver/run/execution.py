@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..checks.course import stall_finding
-from ..checks.finished import FinishedRun
+from ..checks.finished_run import FinishedRun
 from ..checks.statics import unjudged_hints
 from ..errors import PackageError, not_by_check
 from ..inputs.case.record import sealed

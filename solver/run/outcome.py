@@ -15,7 +15,7 @@ import numpy as np
 
 from plymotion import __version__
 
-from ..checks.finished import FinishedRun, Past
+from ..checks.finished_run import FinishedRun, Past
 from ..checks.judge import judge
 from ..checks.modes import loaded_damping
 from ..checks.statics import unjudged_hints
@@ -23,14 +23,14 @@ from ..dynamics.analysis import recovery as recover
 from ..math.arrays import Array
 from ..math.compiled import installed_version
 from ..math.rows import IN_MEMORY, LongRows, RowKeeper, columns, temporary_file
-from ..mechanism.built import BuiltMechanism
+from ..mechanism.built_mechanism import BuiltMechanism
 from ..package import ModalPackage
 from ..results import BodyGeometry, RunResult, Signal, Summary, signal_summary
 from ..results.codes import FEEDBACK
 from ..results.surfaces import MOST_STORED, all_positions
 from ..signals import Sensor, fatigue_entry, recorded
 from ..strength.fatigue import Turning
-from ..strength.found import summary as strength_entry
+from ..strength.strength_summary import summary as strength_entry
 from .drawing import drawn_loads, links, pictures, point_masses, with_views
 from .inputs import RunSpec
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..checks.finished import FinishedRun, Look, StepSizes
+from ..checks.finished_run import FinishedRun, Look, StepSizes
 from ..checks.judge import Monitors
 from ..checks.singularity import SingularityMonitor
 from ..checks.stability import BucklingMonitor, SpinMonitor
@@ -27,7 +27,7 @@ from ..math.arrays import Array
 from ..math.records import record
 from ..mechanism.assembly import treated
 from ..mechanism.build import build, used_packages
-from ..mechanism.built import BuiltMechanism
+from ..mechanism.built_mechanism import BuiltMechanism
 from ..mechanism.consistent import redundancy
 from ..mechanism.equilibrium import given_spin
 from ..mechanism.python_functions import Called, python_functions, require_permission

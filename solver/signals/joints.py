@@ -13,7 +13,7 @@ from ..dynamics.evaluation.laws import law_at
 from ..dynamics.evaluation.series import force_sizes
 from ..dynamics.model.model import ANGLE, SPIN
 from ..math.arrays import Array
-from ..mechanism.built import BuiltJoint, BuiltMechanism
+from ..mechanism.built_mechanism import BuiltJoint, BuiltMechanism
 
 if TYPE_CHECKING:
     from ..inputs.case.tables.signals import ReactionSignal

@@ -10,7 +10,7 @@ from ..dynamics.analysis.recovery import Recording, stiffened
 from ..math.arrays import Array, quadratic_forms
 from ..math.compiled import lean
 from ..math.rotations import shortest_rotations, vector_of, vector_to_matrix, vectors_to_matrices
-from ..mechanism.built import BuiltMechanism, frame_marker
+from ..mechanism.built_mechanism import BuiltMechanism, frame_marker
 from ..package.body.package_schema import Interface
 
 if TYPE_CHECKING:

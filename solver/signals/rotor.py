@@ -6,7 +6,7 @@ import numpy as np
 
 from ..dynamics.analysis.recovery import Recording
 from ..math.arrays import Array
-from ..mechanism.built import BuiltMechanism
+from ..mechanism.built_mechanism import BuiltMechanism
 
 UNITS = {"thrust": "N", "moment": "N m", "power": "W"}
 

@@ -21,7 +21,7 @@ from ..dynamics.evaluation import series
 from ..errors import InputError, few, nearest
 from ..math.arrays import Array, IntArray
 from ..math.rotations import skew, vectors_to_matrices
-from ..mechanism.built import BuiltMechanism
+from ..mechanism.built_mechanism import BuiltMechanism
 from ..package import ModalPackage
 from ..package.body.package_schema import BodyRecovery
 from ..package.common.recovery_schema import RESULTANTS, STRESSES, SectionRecovery

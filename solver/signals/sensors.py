@@ -15,7 +15,7 @@ from ..dynamics.model.model import Model
 from ..errors import InputError
 from ..inputs.case.record import needed, with_parts
 from ..math.arrays import Array
-from ..mechanism.built import BuiltMechanism
+from ..mechanism.built_mechanism import BuiltMechanism
 from ..package import ModalPackage
 from ..strength.fatigue import StressLife, Turning, fatigue_summary, rainflow_cycles
 from .joints import force_values, joint_coordinate, reaction

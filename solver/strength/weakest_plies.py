@@ -22,8 +22,8 @@ from ..package.common.materials import PlyStrength, YieldStrength, material_from
 from ..package.common.recovery_schema import LEVELS, Ply, SectionRecovery, ShellPly
 from ..package.section.stress import strengths
 from . import Criterion, criteria_of
-from .found import BodyStrength, CriticalPoint, ranked
 from .search import ROUND_OFF, Highest, PeakSearch
+from .strength_summary import BodyStrength, CriticalPoint, ranked
 
 # Beams.
 #

@@ -28,11 +28,11 @@ from ..dynamics.model.model import Model, spare_workspace, state_size
 from ..inputs.case.record import solver_sha256
 from ..integrators.compiled.pencil import factorise_pencil, new_frozen, new_pencil, solve_pencil
 from ..integrators.explicit import RungeKutta8, RungeKutta8Loop
+from ..integrators.expression_breaks import bend, first_break, first_hidden, watched_expression
 from ..integrators.generalized_alpha import GeneralizedAlpha
 from ..integrators.generic.drive import integrate
 from ..integrators.radau import Radau
 from ..integrators.step_loop import StepLoop, right_hand_side
-from ..integrators.watched import bend, first_break, first_hidden, watched_expression
 from ..math.arrays import Array
 from ..math.compiled import COMPILED, note, noted, statistics
 from ..math.expressions import operations as op

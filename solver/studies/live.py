@@ -8,8 +8,8 @@ from pathlib import Path
 
 from ..errors import InputError
 from ..package.common.files import write_text
+from ..report.report_data import case_table
 from ..report.report_page import PAGE, make_report
-from ..report.story import case_table
 from ..results.live import FOLDER, answers, ask
 from ..system.platform import can_fork, locked
 

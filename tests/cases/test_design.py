@@ -19,7 +19,7 @@ from plymotion.solver.package import write_package
 from plymotion.solver.package.common.design import Derivative
 from plymotion.solver.package.common.plain_data import toml_text
 from plymotion.solver.studies.design import trials as design_trials
-from plymotion.solver.studies.design.memory import FILE
+from plymotion.solver.studies.design.study_state import FILE
 from plymotion.solver.studies.design.trials import StudySpec, Trials
 from tests.samples.design_samples import BEST, CARBON, F_MAX, V0, M, angles, oscillator, swung, tube
 from tests.samples.exchange_routes import PROGRAMS

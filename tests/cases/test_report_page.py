@@ -10,9 +10,9 @@ from harness.chromium import NO_3D, SOFTWARE, Browser
 
 from plymotion.solver.__main__ import main
 from plymotion.solver.math.rotations import rotation_matrix
+from plymotion.solver.report.report_data import read_story
 from plymotion.solver.report.report_page import page
 from plymotion.solver.report.scene import site_energy
-from plymotion.solver.report.story import read_story
 from plymotion.solver.results import RunResult, read_result
 
 pytest.importorskip("matplotlib")

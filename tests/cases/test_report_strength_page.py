@@ -16,9 +16,9 @@ from plymotion.solver.__main__ import main
 from plymotion.solver.package import read_package
 from plymotion.solver.package.common.materials import PlyStrength, YieldStrength
 from plymotion.solver.package.section.stress import strengths
+from plymotion.solver.report.report_data import Story, comparisons
 from plymotion.solver.report.report_page import make_report, page
 from plymotion.solver.report.scene import site_exposure
-from plymotion.solver.report.story import Story, comparisons
 from plymotion.solver.results import RunResult, Signal, read_result, write_result, write_summary
 from plymotion.solver.results.run_result import BodyView, Sites, Surface
 from plymotion.solver.strength import criteria_of

@@ -161,7 +161,12 @@ print(*sys.modules, *frozen)
 # Their values are compared, or keys of tables; others are a `record`, which takes a third to make.
 FROZEN = {"Node", "NamedCurve", "Orthotropic", "Ply", "ShellPly", "YieldStrength"}
 UNUSED = {
-    *("inputs.case.load", "inputs.case.messages", "integrators.hidden", "integrators.watched"),
+    *(
+        "inputs.case.load",
+        "inputs.case.messages",
+        "integrators.force_variation",
+        "integrators.expression_breaks",
+    ),
     *("mechanism.rotor", "run.error_bars", "signals.sections", "signals.strength"),
 }
 

@@ -13,14 +13,14 @@ from samples.section_specs import rectangle_spec
 from samples.shell_specs import METAL
 
 FORM = """
-from plymotion.preprocess.fenicsx import stack
+from plymotion.preprocess.fenicsx import libraries
 import ufl
 from mpi4py import MPI
-mesh = stack.dolfinx.mesh.create_unit_interval(MPI.COMM_SELF, 2)
-make = getattr(stack.dolfinx.fem, "functionspace", None) or stack.dolfinx.fem.FunctionSpace
+mesh = libraries.dolfinx.mesh.create_unit_interval(MPI.COMM_SELF, 2)
+make = getattr(libraries.dolfinx.fem, "functionspace", None) or libraries.dolfinx.fem.FunctionSpace
 space = make(mesh, ("Lagrange", 1))
 v = ufl.TestFunction(space)
-print(type(stack.dolfinx.fem.form(v * ufl.dx)).__name__)
+print(type(libraries.dolfinx.fem.form(v * ufl.dx)).__name__)
 """
 
 
@@ -53,7 +53,7 @@ def test_sections_of_the_library_find_what_make_compiled(tmp_path: Path) -> None
     cache = tmp_path / "cache"
     cache.mkdir()
     environment = {**os.environ, "PLYMOTION_CACHE": str(cache)}
-    words = "from plymotion.preprocess.ahead import section; section('quadrilateral')"
+    words = "from plymotion.preprocess.precompile import section; section('quadrilateral')"
     subprocess.run([sys.executable, "-c", words], env=environment, check=True, timeout=120)
     compiled = sorted(cache.rglob("*.so"))
     assert compiled

@@ -124,10 +124,10 @@ def test_specifications_with_scripts_are_refused(
 def test_petsc_does_not_read_the_current_folder(tmp_path: Path, guarded: bool) -> None:
     """Its .petscrc can name a library to load; petsc4py alone reads it."""
     (tmp_path / ".petscrc").write_text("-planted_by_others 1\n")
-    code = "from plymotion.preprocess.fenicsx.stack import PETSc\n"
+    code = "from plymotion.preprocess.fenicsx.libraries import PETSc\n"
     if not guarded:
-        code = "from mpi4py import MPI\nfrom plymotion.preprocess.fenicsx import stack\n"
-        code += "stack._part('MPI')\nimport petsc4py\npetsc4py.init([''])\n"
+        code = "from mpi4py import MPI\nfrom plymotion.preprocess.fenicsx import libraries\n"
+        code += "libraries._part('MPI')\nimport petsc4py\npetsc4py.init([''])\n"
         code += "from petsc4py import PETSc\n"
     code += "print(PETSc.Options().hasName('planted_by_others'))"
     words = [sys.executable, "-c", code]

@@ -10,7 +10,7 @@ import ufl
 from plymotion.preprocess import fenicsx
 from plymotion.preprocess.fenicsx import PlainMesh, gmsh, plain_from_model
 from plymotion.preprocess.fenicsx.kernels import compiled_text
-from plymotion.preprocess.fenicsx.stack import dolfinx
+from plymotion.preprocess.fenicsx.libraries import dolfinx
 from plymotion.preprocess.section.helical import TwistedStrains
 from plymotion.preprocess.section.section_problem import SectionProblem
 from plymotion.preprocess.section.section_verification import matrices

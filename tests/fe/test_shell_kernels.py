@@ -9,7 +9,7 @@ from harness.processes import this_python
 from samples.shell_specs import plate
 
 from plymotion.preprocess import fenicsx
-from plymotion.preprocess.fenicsx.stack import dolfinx
+from plymotion.preprocess.fenicsx.libraries import dolfinx
 from plymotion.preprocess.shell.elements import pairs
 from plymotion.preprocess.shell.elements.pairs import Choice
 from plymotion.preprocess.shell.elements.single_cells import cell_table

@@ -14,13 +14,13 @@ from harness.struck_samples import number_of, project, struck
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="no such signals")
 FORM = """
 import sys
-from plymotion.preprocess.fenicsx import stack
+from plymotion.preprocess.fenicsx import libraries
 import ufl
 from mpi4py import MPI
-mesh = stack.dolfinx.mesh.create_unit_interval(MPI.COMM_SELF, 2)
-make = getattr(stack.dolfinx.fem, "functionspace", None) or stack.dolfinx.fem.FunctionSpace
+mesh = libraries.dolfinx.mesh.create_unit_interval(MPI.COMM_SELF, 2)
+make = getattr(libraries.dolfinx.fem, "functionspace", None) or libraries.dolfinx.fem.FunctionSpace
 v = ufl.TestFunction(make(mesh, ("Lagrange", int(sys.argv[1]))))
-stack.dolfinx.fem.form(v * ufl.dx)
+libraries.dolfinx.fem.form(v * ufl.dx)
 """
 LONG_ONLY = pytest.mark.skipif(LONG == 1, reason="takes half a minute of CPU: `make attack`")
 

@@ -5,7 +5,7 @@ import numpy as np
 from plymotion.solver.math.arrays import Array
 from plymotion.solver.package import ModalPackage
 from plymotion.solver.package.shell.shell_schema import ShellFile
-from plymotion.solver.strength.found import BodyStrength
+from plymotion.solver.strength.strength_summary import BodyStrength
 from plymotion.solver.strength.weakest_plies import body_search, resultants, unit_stress_M
 
 

@@ -9,8 +9,8 @@ from mpi4py import MPI
 from peers.dolfinx_forms import assembled
 
 from plymotion.preprocess import fenicsx
+from plymotion.preprocess.fenicsx.libraries import dolfinx  # after MPI, which its wheel needs
 from plymotion.preprocess.fenicsx.spaces import dof_coordinates, vector_space
-from plymotion.preprocess.fenicsx.stack import dolfinx  # after MPI, which its wheel needs
 
 
 def held_compliance(

@@ -13,8 +13,8 @@ from samples.section_specs import rectangle_spec
 
 from plymotion.preprocess import fenicsx
 from plymotion.preprocess.beam.sections import section_stiffness
+from plymotion.preprocess.fenicsx.libraries import dolfinx  # after MPI, which its wheel needs
 from plymotion.preprocess.fenicsx.spaces import dof_coordinates, vector_space
-from plymotion.preprocess.fenicsx.stack import dolfinx  # after MPI, which its wheel needs
 from plymotion.preprocess.section.section_analysis import analyse
 from plymotion.solver.package.common.materials import material_from_dict, ply_rotation, rotated
 

@@ -13,7 +13,7 @@ from plymotion.solver.dynamics.elements.marker import marker_motion
 from plymotion.solver.dynamics.model.model import Model
 from plymotion.solver.math.rotations import frame_from_axis
 from plymotion.solver.mechanism.assembly import assemble_model
-from plymotion.solver.mechanism.built import Start
+from plymotion.solver.mechanism.built_mechanism import Start
 from plymotion.solver.mechanism.tables import Body, JointTable, MarkerTable, rigid_body
 
 GROUND = -1

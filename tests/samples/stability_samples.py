@@ -14,7 +14,7 @@ from samples.mechanism_samples import GRAVITY, GROUND, Sample
 from plymotion.solver.dynamics.model.model import Model
 from plymotion.solver.integrators.generic.base import Integrator
 from plymotion.solver.mechanism.assembly import assemble_model
-from plymotion.solver.mechanism.built import Start
+from plymotion.solver.mechanism.built_mechanism import Start
 from plymotion.solver.mechanism.tables import JointTable, MarkerTable, flexible_body
 from plymotion.solver.package import read_package
 

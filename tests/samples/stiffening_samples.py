@@ -12,7 +12,7 @@ from plymotion.solver.dynamics.evaluation.accelerations import derivative
 from plymotion.solver.dynamics.model.model import Model
 from plymotion.solver.math.laws import polynomial
 from plymotion.solver.mechanism.assembly import assemble_model
-from plymotion.solver.mechanism.built import Start
+from plymotion.solver.mechanism.built_mechanism import Start
 from plymotion.solver.mechanism.consistent import consistent_state
 from plymotion.solver.mechanism.tables import JointTable, MarkerTable, flexible_body
 from plymotion.solver.package import ModalPackage

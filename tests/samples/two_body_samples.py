@@ -6,7 +6,7 @@ from samples.mechanism_samples import GRAVITY, GROUND, Rods, Sample
 
 from plymotion.solver.math.laws import Law, polynomial
 from plymotion.solver.mechanism.assembly import assemble_model
-from plymotion.solver.mechanism.built import Start
+from plymotion.solver.mechanism.built_mechanism import Start
 from plymotion.solver.mechanism.tables import ForceTable, JointTable, MarkerTable
 
 N_MODE = 2

@@ -20,7 +20,7 @@ from plymotion.solver.dynamics.model.model import new_workspace
 from plymotion.solver.errors import InputError
 from plymotion.solver.integrators.generic.drive import integrate
 from plymotion.solver.mechanism.assembly import assemble_model
-from plymotion.solver.mechanism.built import Start
+from plymotion.solver.mechanism.built_mechanism import Start
 from plymotion.solver.mechanism.consistent import consistent_state
 from plymotion.solver.mechanism.start import starting_state
 from plymotion.solver.mechanism.tables import JointTable, MarkerTable, rigid_body

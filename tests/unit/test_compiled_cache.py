@@ -260,7 +260,10 @@ def test_what_another_process_has_linked_meanwhile_is_kept(tmp_path, linked):
 
     _call(tmp_path / "one", linked, SETUP="import sample; sample.unit(1.0)", PATH=PATH)
     assert door()
-    setup = "import plymotion.solver.math.compiled.kept as kept; kept._library = lambda: ({}, None)"
+    setup = (
+        "import plymotion.solver.math.compiled.unit_files as files\n"
+        "files._library = lambda: ({}, None)"
+    )
     found = _call(tmp_path / "one", linked, start=1.0, SETUP=setup, PATH=PATH)
     assert found == (17.0, True, 1, 0, ["entry"])
     assert door()
@@ -273,7 +276,7 @@ def test_a_library_of_another_processor_is_not_loaded(tmp_path, linked):
     if not any(line.startswith("flags") for line in lines):
         pytest.skip("LLVM says what this processor can do")
     other = tmp_path / "cpuinfo"
-    setup = "import plymotion.solver.math.compiled.kept as kept; "
+    setup = "import plymotion.solver.math.compiled.unit_files as kept; "
     setup += f"kept.CPUINFO = {str(other)!r}; "
     cores = [f"{line}1" if line.startswith(("cpu MHz", "siblings")) else line for line in lines]
     other.write_text("\n".join(cores))
@@ -390,7 +393,7 @@ def _numba_version():
 
 
 def test_a_copy_of_a_structure_has_a_table_of_its_own():
-    from plymotion.solver.math.compiled.doors import table_of
+    from plymotion.solver.math.compiled.entry_points import table_of
 
     model, _ = prepared(chain(2), Treatment("index1"))
     table = table_of(model)
@@ -406,7 +409,7 @@ def test_a_copy_of_a_structure_has_a_table_of_its_own():
 
 
 def test_a_structure_of_what_cannot_be_passed_is_refused():
-    from plymotion.solver.math.compiled.doors import table_of
+    from plymotion.solver.math.compiled.entry_points import table_of
 
     model, _ = prepared(chain(2), Treatment("index1"))
     with pytest.raises(TypeError, match=r"Model\.J0.*contiguous"):

@@ -14,7 +14,7 @@ import plymotion as pm
 from plymotion.solver.__main__ import main
 from plymotion.solver.commands import heartbeat
 from plymotion.solver.package.common.files import RECORD
-from plymotion.solver.studies.modes.found import draw
+from plymotion.solver.studies.modes.state_modes import draw
 
 SWING = (
     "gravity = [0.0, -9.81, 0.0]\n[ground.pin]\nposition = [0.0, 0.0, 0.0]\n"

@@ -6,12 +6,12 @@ from pathlib import Path
 import pytest
 
 from plymotion.solver.__main__ import main
-from plymotion.solver.commands.bodies.described import tell_failure
+from plymotion.solver.commands.bodies.description_command import tell_failure
 from plymotion.solver.errors import InputError
 from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.common.text_file import read_toml
 from plymotion.solver.inputs.shell_specification import shell_spec
-from plymotion.solver.workers.described import Entry, Made
+from plymotion.solver.workers.description_results import Entry, Made
 
 STARTERS = Path(__file__).parents[2] / "solver/commands/starters"
 PUSH = '\n[forces.push]\nkind = "force"\nat = "arm.tip"\n'

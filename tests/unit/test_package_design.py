@@ -10,7 +10,7 @@ import pytest
 from samples.package_samples import cantilever, same
 
 from plymotion.solver.errors import InputError, PackageError
-from plymotion.solver.math.independent import independent
+from plymotion.solver.math.independent_changes import independent
 from plymotion.solver.package import ModalPackage, read_package, validate, write_package
 from plymotion.solver.package.body.selection import changed_basis
 from plymotion.solver.package.common.dataset import all_values

@@ -15,7 +15,7 @@ from samples.recovery_samples import STEEL_STRENGTH
 from plymotion.solver.errors import PackageError
 from plymotion.solver.package import read_package, validate, write_package
 from plymotion.solver.package.body.package_schema import CellResultants, LaminateData
-from plymotion.solver.strength.found import failure_text, summary
+from plymotion.solver.strength.strength_summary import failure_text, summary
 
 
 @pytest.fixture(scope="module")

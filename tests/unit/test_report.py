@@ -22,8 +22,8 @@ from plymotion.solver.errors import InputError
 from plymotion.solver.package.common.files import RECORD
 from plymotion.solver.report.case_figures import draw_comparison
 from plymotion.solver.report.inline import chosen_rows
+from plymotion.solver.report.report_data import MOST_SIGNALS, Comparison, comparisons, read_story
 from plymotion.solver.report.report_page import make_report
-from plymotion.solver.report.story import MOST_SIGNALS, Comparison, comparisons, read_story
 from plymotion.solver.report.style import house_style
 from plymotion.solver.report.table import summary_table
 from plymotion.solver.results import (

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import pytest
 
 from plymotion.solver.report.fidelity import chart, fidelity_section, ladder_file, with_ladder
-from plymotion.solver.report.story import Story
+from plymotion.solver.report.report_data import Story
 
 LADDER = {
     "rungs": [

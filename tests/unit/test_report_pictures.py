@@ -9,7 +9,7 @@ from samples.result_samples import swinging_rod
 
 from plymotion.solver.package import read_package
 from plymotion.solver.report.case_figures import crossings, outermost_point, plane, segments, spread
-from plymotion.solver.report.story import Story
+from plymotion.solver.report.report_data import Story
 from plymotion.solver.results import BodyGeometry, Signal
 from plymotion.solver.run.drawing import _outlines
 

@@ -8,7 +8,7 @@ from samples.result_samples import swinging_rod
 
 from plymotion.solver.errors import InputError
 from plymotion.solver.report.case_figures import draw_comparison, draw_orbit, draw_spectrum
-from plymotion.solver.report.story import Comparison, Story, comparisons
+from plymotion.solver.report.report_data import Comparison, Story, comparisons
 from plymotion.solver.report.style import Canvas, house_style
 from plymotion.solver.results import Signal
 

@@ -22,8 +22,8 @@ from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.package import ModalPackage
 from plymotion.solver.report.bodies import strength_section
 from plymotion.solver.report.case_figures import draw_exposure
+from plymotion.solver.report.report_data import read_story
 from plymotion.solver.report.report_page import make_report
-from plymotion.solver.report.story import read_story
 from plymotion.solver.report.style import house_style
 from plymotion.solver.results import write_result, write_summary
 from plymotion.solver.run.execution import execute, read_run

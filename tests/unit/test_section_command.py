@@ -23,7 +23,7 @@ from plymotion.solver.report.section.section_text import (
     summary_text,
     write_summary,
 )
-from plymotion.solver.workers.described import Entry, entries_of
+from plymotion.solver.workers.description_results import Entry, entries_of
 from plymotion.solver.workers.launch import SpecificationQueue
 
 

@@ -8,9 +8,9 @@ import pytest
 from samples.segment_samples import cantilever, on_hub, run_of
 
 from plymotion.preprocess.beam.line import SectionMass
-from plymotion.solver.studies.modes.found import find_modes
 from plymotion.solver.studies.modes.place import at_of
 from plymotion.solver.studies.modes.state import States
+from plymotion.solver.studies.modes.state_modes import find_modes
 
 
 @pytest.fixture(scope="module")

@@ -9,7 +9,7 @@ from samples.stability_samples import hand
 from samples.two_body_samples import two_bodies
 
 from plymotion.solver.checks.course import stall_findings
-from plymotion.solver.checks.finished import Look
+from plymotion.solver.checks.finished_run import Look
 from plymotion.solver.dynamics.elements.constraints.treatment import Treatment
 from plymotion.solver.dynamics.elements.marker import marker_motion
 from plymotion.solver.dynamics.evaluation.accelerations import assemble, energies

@@ -13,8 +13,8 @@ from samples.fidelity_samples import Table, chosen_modes, pendulum, true_signals
 
 from plymotion.solver.inputs.case.bodies.specifications import check_fidelity
 from plymotion.solver.inputs.case.tables.schema import Mechanism
+from plymotion.solver.report.report_data import Story
 from plymotion.solver.report.sections import signals_section
-from plymotion.solver.report.story import Story
 from plymotion.solver.report.table import summary_table
 from plymotion.solver.results import Signal
 from plymotion.solver.results.file import read_result

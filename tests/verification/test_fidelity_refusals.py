@@ -13,7 +13,7 @@ from plymotion.solver.inputs.case.tables.schema import Mechanism
 from plymotion.solver.studies.fidelity.answer import answer_text, entry, fidelity_line
 from plymotion.solver.studies.fidelity.checked_run import checked, plan_of
 from plymotion.solver.studies.fidelity.checking import Checking
-from plymotion.solver.studies.fidelity.indicators.loaded import telling_times
+from plymotion.solver.studies.fidelity.indicators.base_motion import telling_times
 from plymotion.solver.studies.fidelity.plan import (
     BodyPlan,
     Plan,

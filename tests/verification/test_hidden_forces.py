@@ -12,8 +12,8 @@ from samples.coordinate_samples import carriage, force, prepared, run, wheel
 
 from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.integrators.choice import make_integrator
+from plymotion.solver.integrators.force_variation import HiddenForces
 from plymotion.solver.integrators.generic.base import Integrator
-from plymotion.solver.integrators.hidden import HiddenForces
 from plymotion.solver.run.preparation import prepare
 
 INTEGRATORS = ("radau", "rk8", "gear", "generalized-alpha")

@@ -12,7 +12,7 @@ from plymotion.solver.integrators.generic.drive import integrate
 from plymotion.solver.integrators.table import FOR_EQUATIONS
 from plymotion.solver.math.laws import polynomial
 from plymotion.solver.mechanism.assembly import assemble_model
-from plymotion.solver.mechanism.built import Start
+from plymotion.solver.mechanism.built_mechanism import Start
 from plymotion.solver.mechanism.tables import JointTable, MarkerTable, rigid_body
 
 FORMULATIONS = ("ggl", "index3")

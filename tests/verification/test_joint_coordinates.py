@@ -15,7 +15,7 @@ from plymotion.solver.errors import InputError
 from plymotion.solver.extras.robot.case import robot_case
 from plymotion.solver.extras.robot.urdf import read_urdf
 from plymotion.solver.mechanism.build import build
-from plymotion.solver.mechanism.built import BuiltMechanism
+from plymotion.solver.mechanism.built_mechanism import BuiltMechanism
 
 ROBOTS = Path(__file__).parents[1] / "samples/robots"
 Found = tuple[JointCoordinates, BuiltMechanism]

@@ -11,7 +11,7 @@ from plymotion.solver.errors import InputError
 from plymotion.solver.math import laws
 from plymotion.solver.math.rotations import frame_from_axis, matrix_to_parameters, vector_to_matrix
 from plymotion.solver.mechanism.assembly import assemble_model
-from plymotion.solver.mechanism.built import Start
+from plymotion.solver.mechanism.built_mechanism import Start
 from plymotion.solver.mechanism.consistent import consistent_state
 from plymotion.solver.mechanism.equilibrium import equilibrium
 from plymotion.solver.mechanism.tables import ForceTable, JointTable, MarkerTable, rigid_body

@@ -9,7 +9,7 @@ from plymotion.solver.inputs.case.tables.signals import ReactionSignal
 from plymotion.solver.math import laws
 from plymotion.solver.math.rotations import frame_from_axis
 from plymotion.solver.mechanism.assembly import assemble_model
-from plymotion.solver.mechanism.built import BuiltJoint, Start
+from plymotion.solver.mechanism.built_mechanism import BuiltJoint, Start
 from plymotion.solver.mechanism.consistent import consistent_state
 from plymotion.solver.mechanism.tables import Body, JointTable, MarkerTable, rigid_body
 from plymotion.solver.package.body.package_schema import Invariants

@@ -6,7 +6,7 @@ from samples.flexible_samples import simulate, total_energy
 
 from plymotion.solver.math import laws
 from plymotion.solver.mechanism.assembly import assemble_model
-from plymotion.solver.mechanism.built import Start
+from plymotion.solver.mechanism.built_mechanism import Start
 from plymotion.solver.mechanism.consistent import consistent_state
 from plymotion.solver.mechanism.tables import Body, JointTable, MarkerTable, rigid_body
 from plymotion.solver.package import from_stations

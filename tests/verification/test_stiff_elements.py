@@ -19,7 +19,7 @@ from plymotion.solver.dynamics.model.coordinates import moved
 from plymotion.solver.dynamics.model.model import new_workspace
 from plymotion.solver.integrators.generic.drive import integrate
 from plymotion.solver.mechanism.assembly import assemble_model
-from plymotion.solver.mechanism.built import Start
+from plymotion.solver.mechanism.built_mechanism import Start
 from plymotion.solver.mechanism.tables import ForceTable, JointTable, MarkerTable
 
 BOTH = pytest.mark.parametrize(

@@ -10,7 +10,7 @@ import pytest
 from samples.beam_samples import CLAMPED, reduced
 from samples.stiffening_samples import CHORD, rectangle, soft_modes, soft_pendulum
 
-from plymotion.solver.checks.finished import FinishedRun
+from plymotion.solver.checks.finished_run import FinishedRun
 from plymotion.solver.checks.stability import (
     BucklingMonitor,
     Loading,

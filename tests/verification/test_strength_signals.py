@@ -24,14 +24,14 @@ from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.tables.signals import StrengthSignal
 from plymotion.solver.inputs.case.write import write_case
 from plymotion.solver.mechanism.build import build
-from plymotion.solver.mechanism.built import BuiltMechanism
+from plymotion.solver.mechanism.built_mechanism import BuiltMechanism
 from plymotion.solver.package import ModalPackage
 from plymotion.solver.package.common.recovery_schema import SectionRecovery
 from plymotion.solver.package.section.stress import strengths
 from plymotion.solver.run.execution import read_run
 from plymotion.solver.signals import HELD, Recording, sensors
 from plymotion.solver.strength import criteria_of
-from plymotion.solver.strength.found import summary
+from plymotion.solver.strength.strength_summary import summary
 
 WIDTH, HEIGHT = 0.04, 0.012
 MATERIALS = {

@@ -14,7 +14,7 @@ from scipy.integrate import solve_ivp
 from plymotion.solver.dynamics.evaluation.series import quantities
 from plymotion.solver.inputs.case.load import load_case
 from plymotion.solver.inputs.case.write import write_case
-from plymotion.solver.integrators.watched import first_break, watched_expression
+from plymotion.solver.integrators.expression_breaks import first_break, watched_expression
 from plymotion.solver.run.execution import execute, read_run
 
 RTOL = 1e-5  # the default

@@ -25,7 +25,7 @@ from ...workers.launch import kept_preprocessors
 from ..body_arguments import add_section
 from ..case_arguments import add_modes
 from ..modes import run_modes
-from .described import USER_ERROR
+from .description_command import USER_ERROR
 from .section import run_section
 
 FREQUENCIES = "frequencies.csv"

@@ -26,9 +26,16 @@ from ...report.section.section_text import (
     write_summary,
 )
 from ...report.table import json_text
-from ...workers.described import Entry, Made, Request, entries_of
+from ...workers.description_results import Entry, Made, Request, entries_of
 from ..arguments import FOLDERS
-from .described import USER_ERROR, drawn, file_lines, run_described, show_each, tell_failure
+from .description_command import (
+    USER_ERROR,
+    drawn,
+    file_lines,
+    run_described,
+    show_each,
+    tell_failure,
+)
 
 # The sections of a batch: a folder, a pattern, a list, or a study.
 

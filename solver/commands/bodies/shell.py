@@ -13,8 +13,8 @@ from ...math.arrays import Array
 from ...package.shell.shell_schema import ShellFile
 from ...report.shell.findings import read_shown, shell_json
 from ...report.shell.shell_text import shell_text
-from ...workers.described import Made, entries_of
-from .described import drawn, file_lines, run_described, show_each
+from ...workers.description_results import Made, entries_of
+from .description_command import drawn, file_lines, run_described, show_each
 
 MOST_MODES = 6  # with a figure of their own
 

@@ -117,7 +117,7 @@ class Integrator(ABC):
     limited_above: ClassVar[float | None] = None
 
     points: ClassVar[tuple[float, ...]] = (0.0, 1.0)  # of a step at which f is evaluated
-    hidden: Hidden | None = None  # looks for instants at which f varies unseen: hidden.py
+    hidden: Hidden | None = None  # looks for instants at which f varies unseen: force_variation.py
     most_hidden = 1000  # such instants of a run
     rates_fit = False  # whether coordinates change over a step by their rates, to the tolerance
     over_bends = False  # whether steps may go over bends of forces, as a tangent along them asks

@@ -25,9 +25,8 @@ from types import FunctionType
 from typing import Any, TypeVar
 
 from ..disk_cache import sources_sha256
-from . import doors, kept
-from .doors import array_head_is_known, parse, structure
-from .kept import note, noted
+from . import entry_points, unit_files
+from .entry_points import array_head_is_known, parse, structure
 from .parts import (
     FAST_MATH,
     Part,
@@ -39,6 +38,7 @@ from .parts import (
     part_named,
     statistics,
 )
+from .unit_files import note, noted
 
 LOGGER = logging.getLogger(__name__)
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -88,7 +88,7 @@ def door(part: Part, arguments: tuple[Any, ...], kinds: Any) -> Callable[..., An
     ----------
     part : compiled function
     arguments : arguments of this call
-    kinds : their types as text, read (doors.py)
+    kinds : their types as text, read (entry_points.py)
     """
     begin = time.process_time()
     try:
@@ -98,7 +98,7 @@ def door(part: Part, arguments: tuple[Any, ...], kinds: Any) -> Callable[..., An
 
 
 def _door(part: Part, arguments: tuple[Any, ...], kinds: Any) -> Callable[..., Any]:
-    text = None if kinds is None else doors.text(kinds)
+    text = None if kinds is None else entry_points.text(kinds)
     if text is None or len(arguments) != part.function.__code__.co_argcount:
         return lambda words, arguments: part.function(*arguments)
     try:
@@ -107,7 +107,7 @@ def _door(part: Part, arguments: tuple[Any, ...], kinds: Any) -> Callable[..., A
         address = _door_address(unit)
     except Exception as error:
         return _fallback(part, error)
-    return doors.door(address, kinds, parse(unit.result))
+    return entry_points.door(address, kinds, parse(unit.result))
 
 
 def _fallback(part: Part, error: Exception) -> Callable[..., Any]:
@@ -119,22 +119,22 @@ def _fallback(part: Part, error: Exception) -> Callable[..., Any]:
             RuntimeWarning,
             stacklevel=4,
         )
-    slow = dispatcher(part, kept.folder())
+    slow = dispatcher(part, unit_files.folder())
     return lambda words, arguments: slow(*arguments)
 
 
 def _key(part: Part, text: str) -> str:
-    return digest(part.name, part.content(), text, kept.environment())
+    return digest(part.name, part.content(), text, unit_files.environment())
 
 
 def _loaded(part: Part, text: str) -> Unit | None:
     """Load a unit from the library or its file, after what it needs; None if it is not there."""
-    symbol = kept.symbol_of(part.name, text)
-    found = kept.linked(symbol)
+    symbol = unit_files.symbol_of(part.name, text)
+    found = unit_files.linked(symbol)
     if found is not None:
         return Unit(part, text, found.result, symbol)
     key = _key(part, text)
-    file = kept.read(key)
+    file = unit_files.read(key)
     if file is None:
         return None
     description, code = file
@@ -157,11 +157,11 @@ def _compiled(part: Part, text: str) -> Unit:
     import_numba()
     from . import building, linking, machine
 
-    symbol, key = kept.symbol_of(part.name, text), _key(part, text)
+    symbol, key = unit_files.symbol_of(part.name, text), _key(part, text)
     result, code, needs = building.compiled_unit(part, text, symbol)
     machine.add(code)
     statistics.compiled.append(part.name)
-    statistics.kept &= kept.write(key, {"name": part.name, "result": result, **needs}, code)
+    statistics.kept &= unit_files.write(key, {"name": part.name, "result": result, **needs}, code)
     linking.note_other(part, symbol, key)
     return Unit(part, text, result, symbol)
 
@@ -169,18 +169,18 @@ def _compiled(part: Part, text: str) -> Unit:
 def _door_address(unit: Unit) -> int:
     """Return the address of a unit's door for Python."""
     symbol = f"{unit.symbol}_door"
-    if kept.linked(unit.symbol) and (address := kept.address_in_library(symbol)):
+    if unit_files.linked(unit.symbol) and (address := unit_files.address_in_library(symbol)):
         return address
     from . import linking, machine
 
-    key = kept.door_key(unit.symbol, unit.result)
-    _, code = kept.read(key) or ({}, b"")
+    key = unit_files.door_key(unit.symbol, unit.result)
+    _, code = unit_files.read(key) or ({}, b"")
     if not code:
         import_numba()
         from . import building
 
         code = building.compiled_door(unit.arguments, unit.result, unit.symbol, symbol)
-        kept.write(key, {"name": f"{unit.part.name} from Python"}, code)
+        unit_files.write(key, {"name": f"{unit.part.name} from Python"}, code)
     machine.add(code)
     linking.note_other(unit.part, unit.symbol, _key(unit.part, unit.arguments), door=True)
     return machine.address(symbol)
@@ -250,7 +250,7 @@ def tell_if_slow() -> None:
         LOGGER.warning("warning: %s", SLOW)
 
 
-_SERVICE = Service(unit, door, doors.described)
+_SERVICE = Service(unit, door, entry_points.described)
 
 
 def lean(function: Function) -> Function:

@@ -18,7 +18,7 @@ from numba.np import arrayobj
 from numba.np.numpy_support import as_dtype, from_dtype
 
 from . import machine
-from .doors import (
+from .entry_points import (
     ArrayOf,
     StructureOf,
     TupleOf,
@@ -37,7 +37,7 @@ _POINTER = ir.IntType(8).as_pointer()
 
 
 class StructureType(types.Type):
-    """A pointer to a table of words (doors.py)."""
+    """A pointer to a table of words (entry_points.py)."""
 
     def __init__(self, kind: StructureOf) -> None:
         self.fields = {
@@ -62,7 +62,7 @@ _BY_TEXT: dict[Any, Any] = {}
 
 
 def numba_type(kind: Any) -> Any:
-    """Return Numba's type of what a text says (doors.py)."""
+    """Return Numba's type of what a text says (entry_points.py)."""
     if kind not in _BY_TEXT:
         _BY_TEXT[kind] = _numba_type(kind)
     return _BY_TEXT[kind]
@@ -352,7 +352,7 @@ def compiled_unit(part: Part, text: str, symbol: str) -> tuple[str, bytes, dict[
     Parameters
     ----------
     part : function to compile
-    text : types of its arguments (doors.py)
+    text : types of its arguments (entry_points.py)
     symbol : name of the unit in the object code
 
     Raises RuntimeError : code that may raise, or needs what no library has
@@ -402,7 +402,7 @@ def compiled_door(text: str, result: str, symbol: str, door: str) -> bytes:
 
     Parameters
     ----------
-    text : types of the arguments (doors.py)
+    text : types of the arguments (entry_points.py)
     result : type of the result
     symbol : name of the unit that is called
     door : name of the entry point that is made
@@ -437,7 +437,7 @@ def _word(builder: Any, words: Any, at: int) -> Any:
 
 def _from_word(context: Any, builder: Any, kind: Any, place: Any) -> Any:
     if isinstance(kind, types.Array):
-        # the head of NumPy's array object, checked in doors.py
+        # the head of NumPy's array object, checked in entry_points.py
         item = builder.inttoptr(builder.load(place), _WORD.as_pointer())
         data = builder.load(_word(builder, item, 2))
         data = builder.inttoptr(data, context.get_data_type(kind.dtype).as_pointer())

@@ -8,7 +8,8 @@ import tempfile
 from contextlib import suppress
 from pathlib import Path
 
-from .kept import (
+from .parts import Part, digest
+from .unit_files import (
     Linked,
     door_key,
     environment,
@@ -20,7 +21,6 @@ from .kept import (
     symbol_of,
     write,
 )
-from .parts import Part, digest
 
 MOST_UNITS = 500  # three times those of all methods; then the library begins anew
 # All files of an archive. Their code is that of a process: addresses are written into it.

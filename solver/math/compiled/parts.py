@@ -148,7 +148,7 @@ class Unit(NamedTuple):
     """Machine code of one part for one set of argument types, loaded."""
 
     part: "Part"
-    arguments: str  # types, as text (doors.py)
+    arguments: str  # types, as text (entry_points.py)
     result: str
     symbol: str
 
@@ -160,7 +160,7 @@ class Service(NamedTuple):
     ----------
     unit : returns the unit of a part for argument types
     door : returns what takes words and arguments of some kinds to compiled code
-    described : returns kinds and words of arguments (doors.py)
+    described : returns kinds and words of arguments (entry_points.py)
     """
 
     unit: Callable[["Part", str], Unit]

@@ -15,7 +15,7 @@ from ...package.common.plain_data import cell_text, csv_text
 from ...package.common.recovery_schema import RESULTANTS, STRESSES, Ply, SectionRecovery
 from ...package.section.section_schema import SectionFile, SectionMeshData
 from ...package.section.stress import near_corner, reentrant_corners, strengths
-from ...strength.found import Reserve, least_reserves
+from ...strength.strength_summary import Reserve, least_reserves
 from ...strength.weakest_plies import unit_stress_M
 from ..table import aligned, json_text, labelled, matrix, rounded, warning_lines
 from .codes import SectionResults, convert

@@ -16,7 +16,7 @@ from ...package.common.object_file import check_provenance
 from ...package.section.stress import strengths
 from ...package.shell.shell_file import read_shell
 from ...package.shell.shell_schema import SHELL_STRESSES, ShellFile, ShellLaminate
-from ...strength.found import Reserve, least_reserves
+from ...strength.strength_summary import Reserve, least_reserves
 
 # The highest stresses and the least strength ratio of every ply of a laminate, over its cells.
 

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from ...checks.finished import FinishedRun
+from ...checks.finished_run import FinishedRun
 from ...dynamics.evaluation.instants import Instants
 from ...errors import InputError
 from ...inputs.case.bodies.specifications import BodySpec

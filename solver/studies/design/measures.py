@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from ...checks.finished import FinishedRun
+from ...checks.finished_run import FinishedRun
 from ...dynamics.analysis.recovery import Recording
 from ...errors import InputError
 from ...inputs.case.bodies.segments import segment_name
@@ -150,9 +150,9 @@ class Frequency(Measure):
     def raw(self, made: Made, weights: Array | None = None) -> Array:
         """Return squares of natural circular frequencies (m,) [rad2/s2]."""
         if self.quantity.name == MECHANISM:
-            from ..modes.found import find_modes  # most studies need no linearised equations
             from ..modes.place import At
             from ..modes.state import States
+            from ..modes.state_modes import find_modes  # most studies need no linearised equations
 
             states = States(made.spec)
             w = find_modes(states, states.at(At("start"), None), ports=False, check=False).modes

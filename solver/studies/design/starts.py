@@ -12,9 +12,9 @@ from ...errors import InputError, few
 from ...inputs.case.design import CheckedStudy
 from ...math.arrays import Array
 from .drivers.table import driver_of
-from .memory import FILE, Memory
 from .problem import FEASIBLE, Options, Point, Problem, Values, undominated
 from .rules import Space, broken, space_of
+from .study_state import FILE, Memory
 from .trials import StudySpec, Trials
 
 QUARTER = 90.0  # [deg] a ply turned by it mirrors itself: the gradient by symmetry is zero

@@ -22,10 +22,10 @@ from ...run.inputs import RunSpec
 from ...workers.executors import Executor, Task, distribute
 from .design_text import variant_text
 from .drivers.table import driver_of
-from .memory import FILE, Memory
 from .problem import undominated
 from .rules import layups, space_of
 from .starts import Start, compute_start, first_points, forget
+from .study_state import FILE, Memory
 from .trials import BODIES, StudySpec, Trials
 
 # The plan of a run with `[fidelity]`: made once for a study, and made anew at its best design.

@@ -12,7 +12,7 @@ import numpy as np
 
 from plymotion import __version__
 
-from ...checks.finished import FinishedRun, Look
+from ...checks.finished_run import FinishedRun, Look
 from ...checks.judge import checked
 from ...errors import InputError, PackageError, few
 from ...inputs.case.bodies.segments import in_segments

@@ -11,8 +11,8 @@ from ...errors import counted
 from ...math.arrays import Array
 from ...run.inputs import RunSpec
 from ..tolerances import NO_COST
+from .indicators.base_motion import Study
 from .indicators.beam_theory import beam_theory
-from .indicators.loaded import Study
 from .plan import Plan
 from .trial import Share, Trial, attempted
 

@@ -14,8 +14,8 @@ from .answer import Answer, beyond_theory, entry, remarks
 from .checking import Checking
 from .choice import chosen, kept_plan, write_plan
 from .comparison import kind_of_signal
+from .indicators.base_motion import base_motion, loaded
 from .indicators.indicators import study
-from .indicators.loaded import base_motion, loaded
 from .ladder import tried_models
 from .plan import (
     STATIC,

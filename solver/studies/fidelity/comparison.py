@@ -10,7 +10,7 @@ import numpy.typing as npt
 from ...dynamics.analysis.recovery import extent
 from ...inputs.case.record import KINDS, parts
 from ...math.arrays import Array
-from ...mechanism.built import BuiltMechanism
+from ...mechanism.built_mechanism import BuiltMechanism
 from ...signals import Sensor, sensors
 from ..tolerances import FAINT, FORCE_NOISE
 from .plan import with_values

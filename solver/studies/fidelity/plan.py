@@ -8,7 +8,7 @@ import numpy as np
 
 from ...dynamics.model.model import Model
 from ...math.arrays import Array, IntArray
-from ...mechanism.built import BuiltMechanism
+from ...mechanism.built_mechanism import BuiltMechanism
 from ...package import ModalPackage
 from ...package.body.selection import (
     axial_load,

@@ -12,7 +12,7 @@ from ...dynamics.evaluation.accelerations import assemble
 from ...dynamics.model.model import Model, modal_matrix
 from ...math.arrays import Array
 from ...math.rotations import frame_from_axis, rotation_matrix, skew
-from ...mechanism.built import BuiltMechanism
+from ...mechanism.built_mechanism import BuiltMechanism
 from ...package import ModalPackage
 from .differences import STEP, units_of
 from .state_space import StateSpace

@@ -31,7 +31,7 @@ from ...dynamics.model.model import Model
 from ...inputs.case.expressions import drives
 from ...math.arrays import Array, IntArray
 from ...math.rotations import rotation_matrix, skew
-from ...mechanism.built import BuiltMechanism
+from ...mechanism.built_mechanism import BuiltMechanism
 from ...signals import Recording, Sensor
 from .differences import Instant, derivatives
 

@@ -18,8 +18,8 @@ from ...results import BodyGeometry, write_animation
 from ...run.outcome import drawn_shapes
 from ..linearisation.modes import coordinate_names
 from ..linearisation.state_space import Realisation, realisation
-from .found import Diagram, Found, Response, draw
 from .state import States
+from .state_modes import Diagram, Found, Response, draw
 
 
 def write_modes(

@@ -14,7 +14,7 @@ from ...errors import InputError, PackageError
 from ...inputs.case.record import case_file
 from ...math.arrays import Array
 from ...mechanism.build import build
-from ...mechanism.built import BuiltMechanism, Start
+from ...mechanism.built_mechanism import BuiltMechanism, Start
 from ...mechanism.consistent import consistent_state
 from ...mechanism.equilibrium import (
     given_spin,

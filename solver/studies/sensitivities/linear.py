@@ -15,7 +15,7 @@ from ...dynamics.evaluation.variations import along_directions, terms
 from ...dynamics.model.coordinates import displaced
 from ...dynamics.model.model import Model, modal_matrix
 from ...math.arrays import Array, IntArray
-from ...math.independent import independent
+from ...math.independent_changes import independent
 from ..tolerances import LEAST_STEP, MOST_GROWTH, STEP
 
 # Differences on both sides of a number, and changes for which there is time. `STEP` in place of

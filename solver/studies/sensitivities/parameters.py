@@ -17,10 +17,10 @@ from ...inputs.case.tables.schema import Sweep
 from ...integrators.breakpoints import breaks
 from ...integrators.table import treatment_of
 from ...math.arrays import Array
-from ...math.independent import independent
+from ...math.independent_changes import independent
 from ...mechanism.assembly import treated
 from ...mechanism.build import build, used_packages
-from ...mechanism.built import BuiltMechanism
+from ...mechanism.built_mechanism import BuiltMechanism
 from ...mechanism.equilibrium import given_spin
 from ...mechanism.start import quasi_static_state, starting_state
 from ...package import ModalPackage

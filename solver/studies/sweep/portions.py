@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 from tqdm import tqdm
 
-from ...checks.finished import FinishedRun, Look
+from ...checks.finished_run import FinishedRun, Look
 from ...checks.judge import judge
 from ...errors import InputError, PackageError
 from ...inputs.case.messages import ERRORS, out_of_range

@@ -9,14 +9,14 @@ from ....checks.stability import Loading, SpinMonitor, geometric_stiffness
 from ....dynamics.analysis.recovery import extent, shape_sizes
 from ....dynamics.model.coordinates import move_rows
 from ....math.arrays import Array
-from ....mechanism.built import BuiltMechanism
+from ....mechanism.built_mechanism import BuiltMechanism
 from ....package import ModalPackage
 from ....package.body.selection import vibrations
 from ....run.inputs import RunSpec
 from ....run.timing import work_s
 from ....signals import Recording, Sensor, sensors
 from ..comparison import bends, kind_of_signal, relatives, scales
-from .loaded import Study, base_motion, built_with, loaded
+from .base_motion import Study, base_motion, built_with, loaded
 from .response import Effects, Indicators, Mode, Response, effects, elastic_columns, response
 
 

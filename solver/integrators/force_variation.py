@@ -20,9 +20,9 @@ from ..dynamics.model.motion import PLACE, VELOCITY
 from ..math.arrays import Array, distinct
 from ..math.laws import Hermite
 from .breakpoints import programs_read
+from .expression_breaks import BESIDE, Watched, bend, first_break, first_hidden, watched_expression
 from .generic.base import Derivative
 from .generic.norm import ErrorNorm
-from .watched import BESIDE, Watched, bend, first_break, first_hidden, watched_expression
 
 MOST_CELLS = 20_000  # of the steps of one look; a law that needs more varies fast everywhere
 # Of the tolerance: an error by a bend above the first is looked at closer, and above the second

@@ -13,7 +13,15 @@ from typing import Any
 from ...errors import InputError
 from ...report.table import json_text
 from ...system.interrupts import INTERRUPTED
-from ...workers.described import Entry, Made, Request, SpecOf, made_files, make_files, write_specs
+from ...workers.description_results import (
+    Entry,
+    Made,
+    Request,
+    SpecOf,
+    made_files,
+    make_files,
+    write_specs,
+)
 from ...workers.executors import executor_of
 from ...workers.launch import kept_preprocessors, mpi_job
 from ..arguments import FOLDERS

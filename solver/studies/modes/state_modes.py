@@ -17,7 +17,7 @@ from ...dynamics.model.coordinates import Spin, moved, spin_velocities, turned
 from ...errors import InputError, counted, few, nearest
 from ...math.arrays import Array, IntArray
 from ...math.rotations import vector_to_matrix
-from ...mechanism.built import Start
+from ...mechanism.built_mechanism import Start
 from ...mechanism.equilibrium import after_turn, round_off
 from ...package.common.plain_data import csv_text
 from ...report.style import DASHES, GREY, WARNING, Canvas, colour, house_style

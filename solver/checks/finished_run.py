@@ -16,7 +16,7 @@ from ..integrators.generic.drive import Solution, Steps
 from ..math.arrays import Array, IntArray, distinct
 from ..math.records import record
 from ..math.rows import spans
-from ..mechanism.built import BuiltMechanism
+from ..mechanism.built_mechanism import BuiltMechanism
 from ..package import ModalPackage
 from ..results.codes import Finding
 from ..results.run_result import ENERGIES, ROUNDING

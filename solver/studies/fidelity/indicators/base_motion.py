@@ -13,7 +13,7 @@ from ....dynamics.evaluation.variations import residuals
 from ....errors import InputError
 from ....math.arrays import Array, IntArray
 from ....mechanism.build import build
-from ....mechanism.built import BuiltMechanism
+from ....mechanism.built_mechanism import BuiltMechanism
 from ....package import ModalPackage
 from ....package.body.selection import (
     axial_load,

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...solver.math.arrays import Array, IntArray
-from . import stack
+from . import libraries
 
 # Ends of the edges of a cell, counter-clockwise.
 EDGES = {
@@ -74,7 +74,9 @@ def used_nodes(points: Array, cells: IntArray) -> tuple[Array, IntArray]:
 
 def quadrature(cell: str, degree: int) -> tuple[Array, Array]:
     """Points (q, 2) and weights (q,) on the reference cell, exact for polynomials of `degree`."""
-    points, weights = stack.basix.make_quadrature(getattr(stack.basix.CellType, cell), degree)
+    points, weights = libraries.basix.make_quadrature(
+        getattr(libraries.basix.CellType, cell), degree
+    )
     return np.array(points), np.array(weights)
 
 
@@ -106,9 +108,9 @@ def order_of_nodes(cell: str) -> list[int]:
 
 @cache
 def _lagrange(cell: str, degree: int) -> Any:
-    return stack.basix.create_element(
-        stack.basix.ElementFamily.P,
-        getattr(stack.basix.CellType, cell),
+    return libraries.basix.create_element(
+        libraries.basix.ElementFamily.P,
+        getattr(libraries.basix.CellType, cell),
         degree,
-        stack.basix.LagrangeVariant.gll_warped,
+        libraries.basix.LagrangeVariant.gll_warped,
     )
