@@ -313,22 +313,34 @@ def test_gradient_of_a_run_is_that_of_rebuilt_designs(fenicsx: str, tmp_path: Pa
         "rtol": 1e-9,
     }
     load = {"of": ["masses.load.mass"], "kind": "number", "bounds": [0.5, 2.0]}
-    parameters = {"p0": angles(1)["p0"], "load": load}
+    wall = {
+        "of": [f"sections.tube:laminates.wall.plies.{i}.thickness" for i in range(2)],
+        "kind": "thickness",
+        "bounds": [0.1e-3, 0.5e-3],
+    }
+    parameters = {"p0": angles(1)["p0"], "load": load, "wall": wall}
     table = swung(parameters=parameters, studies={"s": study})
+    # A ply alone: where both are equally thick, the mesh has two rows of cells, else three.
+    alone = {"p0": parameters["p0"], "wall": {**wall, "of": wall["of"][:1]}}
+    uneven = swung(parameters=alone, studies={"s": study})
+    why = Trials(StudySpec(uneven, Path("tube.toml"), False, "s", tmp_path)).why_not_exact()
+    assert "parameter wall, body arm: changes the model, not only its numbers" in why
     given = StudySpec(table, Path("tube.toml"), False, "s", tmp_path)
-    exact, p = Trials(replace(given, exact=True)), np.array([31.0, 1.0])
+    exact, p = Trials(replace(given, exact=True)), np.array([31.0, 1.0, 0.25e-3])
     values, found = exact.values(p), exact.slopes(p)
     assert not values.why
     assert "tangent" in exact.words_of_gradient()
-    assert not exact.values(np.array([90.0, 2.0])).why  # at bounds that the case may not pass
+    assert not exact.values(
+        np.array([90.0, 2.0, 0.5e-3])
+    ).why  # at bounds that the case may not pass
     exact.values(p)
     # Packages without derivatives keep 21 bits of the strains of recovery (5e-7).
     plain = Trials(given)
     for one, other in zip(plain.values(p).values, values.values, strict=True):
         np.testing.assert_allclose(one, other, rtol=1e-6)
     # A larger change of the angle moves the point of a ply that governs, of the mass a peak.
-    for k, (rebuilt, h) in enumerate(((exact, 0.1), (plain, 2e-4))):
-        at = [rebuilt.values(p + i * h * np.eye(2)[k]).values for i in (-2, -1, 1, 2)]
+    for k, (rebuilt, h) in enumerate(((exact, 0.1), (plain, 2e-4), (exact, 2e-8))):
+        at = [rebuilt.values(p + i * h * np.eye(3)[k]).values for i in (-2, -1, 1, 2)]
         for m, slopes in enumerate(found):
             far, near, next_, further = (np.array(v[m]) for v in at)
             expected = (8.0 * (next_ - near) - (further - far)) / (12.0 * h)

@@ -89,7 +89,8 @@ def with_targets(
             minus, plus = specs[1 + 2 * k][body], specs[2 + 2 * k][body]
             if plus.inputs_sha256 != minus.inputs_sha256:
                 where = f"parameter {name}, body {body}"
-                design[name] = list(_targets(where, minus.content, plus.content, 2.0 * steps[k]))
+                three = [one.content for one in (minus, spec, plus)]
+                design[name] = list(_targets(where, *three, 2.0 * steps[k]))
         if design:
             content: Any = {**spec.content, "design": design}
             if without and content["kind"] == "beam":
@@ -100,18 +101,24 @@ def with_targets(
     return specs_by_body
 
 
-def _targets(where: str, minus: Any, plus: Any, h: float) -> Iterator[dict[str, object]]:
-    """Yield the paths of numbers that differ, with their derivatives."""
-    low, high = leaves_of(minus), leaves_of(plus)
-    if low.keys() != high.keys():
+def _targets(where: str, minus: Any, here: Any, plus: Any, h: float) -> Iterator[dict[str, object]]:
+    """Yield the paths of numbers that differ, with their derivatives.
+
+    The design itself counts, too: where two plies have one thickness, a mesh may have fewer cells
+    than on both sides.
+    """
+    low, own, high = leaves_of(minus), leaves_of(here), leaves_of(plus)
+    if not low.keys() == own.keys() == high.keys():
         raise InputError(f"{where}: changes the model, not only its numbers")
     for path, value in low.items():
         other = high[path]
+        if not all(isinstance(each, float) for each in (value, own[path], other)):
+            if not value == own[path] == other:
+                name = ".".join(map(str, path))
+                raise InputError(f"{where}: changes {name} from {value!r} to {other!r}")
+            continue
         if value == other:
             continue
-        if not (isinstance(value, float) and isinstance(other, float)):
-            name = ".".join(map(str, path))
-            raise InputError(f"{where}: changes {name} from {value!r} to {other!r}")
         yield {"of": list(map(str, path)), "factor": float(f"{(other - value) / h:.10g}")}
 
 
