@@ -89,8 +89,8 @@ def with_targets(
             minus, plus = specs[1 + 2 * k][body], specs[2 + 2 * k][body]
             if plus.inputs_sha256 != minus.inputs_sha256:
                 where = f"parameter {name}, body {body}"
-                three = [one.content for one in (minus, spec, plus)]
-                design[name] = list(_targets(where, *three, 2.0 * steps[k]))
+                at = minus.content, spec.content, plus.content
+                design[name] = list(_targets(where, at, 2.0 * steps[k]))
         if design:
             content: Any = {**spec.content, "design": design}
             if without and content["kind"] == "beam":
@@ -101,13 +101,13 @@ def with_targets(
     return specs_by_body
 
 
-def _targets(where: str, minus: Any, here: Any, plus: Any, h: float) -> Iterator[dict[str, object]]:
-    """Yield the paths of numbers that differ, with their derivatives.
+def _targets(where: str, at: tuple[Any, Any, Any], h: float) -> Iterator[dict[str, object]]:
+    """Yield the paths of numbers that differ below and above a design, with their derivatives.
 
-    The design itself counts, too: where two plies have one thickness, a mesh may have fewer cells
-    than on both sides.
+    The design itself, the second of three, counts, too: where two plies have one thickness, a mesh
+    may have fewer cells than on both sides.
     """
-    low, own, high = leaves_of(minus), leaves_of(here), leaves_of(plus)
+    low, own, high = map(leaves_of, at)
     if not low.keys() == own.keys() == high.keys():
         raise InputError(f"{where}: changes the model, not only its numbers")
     for path, value in low.items():
