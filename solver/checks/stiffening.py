@@ -96,7 +96,7 @@ def undisturbed_findings(run: FinishedRun) -> Iterator[Finding]:
     def stable(K: Array) -> bool:
         return not K.size or float(np.linalg.eigvalsh(K + K.T)[0]) >= 0.0
 
-    # Few looks first, the last among them: one costs 0.4 ms, and most runs are stable at all.
+    # Few looks first, the last among them: a look takes 0.4 ms, and most runs are stable.
     few = (elastic_motions(model, float(times[k]), run.solution.y[k]) for k in looks[:0:-4])
     if all(stable(K) for _, _, K, _ in few):
         return

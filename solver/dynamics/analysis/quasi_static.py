@@ -55,7 +55,7 @@ def _heavy(model: Model, t: float, y: Array) -> Model:
 
 
 _STEP = 0.1  # over the least frequency: the loads of a slow motion change by little
-_MOST = 400  # velocity coordinates: the eigenproblem of more would be felt
+MOST = 400  # velocity coordinates: the eigenproblem of more would be felt
 
 
 def quasi_static_rates(model: Model, t: float, y: Array) -> tuple[list[Array], float]:
@@ -76,7 +76,7 @@ def quasi_static_rates(model: Model, t: float, y: Array) -> tuple[list[Array], f
     for i in np.flatnonzero(model.n_mode[: model.n_body]).tolist():
         K, M = (modal_matrix(model, flat, i) for flat in (model.K_qq, model.M_qq))
         slowest = max(slowest, float(np.linalg.eigvals(np.linalg.solve(K, M)).real.max()))
-    if model.n_vel <= _MOST:  # with what the bodies carry
+    if model.n_vel <= MOST:  # with what the bodies carry
         equations = assemble(model, t, y)
         with suppress(np.linalg.LinAlgError):  # a free motion moves no mass
             Z = free_motions(equations, model.inertia_scale).Z
