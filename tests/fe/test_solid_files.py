@@ -28,7 +28,8 @@ from samples.solid_samples import (
 
 from plymotion.preprocess.fenicsx import MeshError, gmsh_alone, gmsh_session
 from plymotion.preprocess.solid import solid_mesh
-from plymotion.preprocess.solid.model import Curve, SolidModel
+from plymotion.preprocess.solid.materials import Curve
+from plymotion.preprocess.solid.model import SolidModel
 from plymotion.preprocess.solid.solid_analysis import free_hertz
 from plymotion.preprocess.solid.solid_mesh import SolidError, edge_length
 
